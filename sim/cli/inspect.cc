@@ -173,6 +173,9 @@ void PrintInspection(const Inspection& inspection, bool is_verbose) {
                             : fmt::format("; the first {} of {} MB, not the rest",
                                           kMostInspectedBytes >> 20, inspection.file_bytes >> 20));
   Print("joints  {}\n", BasisText(inspection));
+  for (const std::string& remark : inspection.remarks) {
+    Print("{}\n", Wrapped("note    " + remark, 80));
+  }
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     if (!inspection.columns[c].is_turning) continue;
     Print("turns   column {} jumps by 360 deg; the jumps are undone\n", c + 1);

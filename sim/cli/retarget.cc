@@ -35,16 +35,19 @@ struct RetargetOptions {
         Argument("recording", &recording, Offer::kFiles,
                  "joint angles by the names of the joints of --from, as FFJ3_rad or index_mcp (no "
                  "unit: degrees); or keypoints"),
-        Option("--from", &from,
-               {.value = "HAND.xml|keypoints", .offer = Offer::kFiles, .required = true},
-               "the hand of the recording: its MJCF, or keypoints for columns wrist_x, "
-               "thumb_tip_x and so on with the names of OpenXR, in m or, with _mm behind, in mm"),
+        Option(
+            "--from", &from,
+            {.value = "HAND.xml|keypoints", .offer = Offer::kFiles, .required = true},
+            "the hand of the recording: its MJCF, or keypoints (MediaPipe, OpenXR, WebXR, ARKit, "
+            "Manus and alike: docs/reference/column-maps.md)"),
         Option("--hand", &hand, {.value = "HAND.xml", .offer = Offer::kFiles},
                "the hand that shall move [models/hand_arm.xml]"),
         OutOption(out, "file to write [out/<recording>.retargeted.csv]", "FILE.csv"),
         Option("--rate", &format.rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
                "rows per second of a recording without times"),
         ArrayOptions(format.array),
+        Option("--side", &format.side, {.choices = {"left", "right"}},
+               "the hand to take from keypoints of both"),
         Option("--touch-mm", &format.touch_mm, {.range = {1.0, 50.0}, .shows_default = true},
                "distance of two fingertips in contact, where neither radii nor capsules tell it"),
         Option("--json", &json, {}, "print JSON instead of the table"),

@@ -227,6 +227,12 @@ std::vector<std::string> StreamTable::TakeChannels(const ColumnMap& map) {
   std::vector<StreamChannel> parts(KnownChannels().size());
   std::vector<bool> passes(columns_, true);
   for (const ColumnMapping& mapping : map.channels) {
+    if (mapping.envelope_ms > 0.0) {
+      throw UserError(
+          {.place = "--map",
+           .key = "envelope_ms",
+           .problem = "is for recordings; gauntlet filter takes the values as they are"});
+    }
     const ColumnScale scale = ScaleOf(mapping, nominal.low_counts, nominal.high_counts);
     parts[mapping.channel].push_back({.column = mapping.column,
                                       .factor = scale.factor * kDegPerRad,

@@ -12,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/recordings/csv_reader.h"
+#include "sim/recordings/envelope.h"
 #include "sim/recordings/name_words.h"
 #include "sim/recordings/table_source.h"
 #include "sim/recordings/time_columns.h"
@@ -170,6 +171,51 @@ bool IsDead(const ColumnStatistics& is, double widest) {
   constexpr double kNarrow = 0.5;  // of the widest range of a sensor
   return is.commonest_share >= kAlways ||
          (is.commonest_share >= kMostly && is.high - is.low < kNarrow * widest);
+}
+
+/// True for activity that is rectified already: never below zero, and near it at rest.
+bool IsRectified(const ColumnStatistics& is) {
+  constexpr double kNearZero = 0.1;  // of the highest usual value
+  return is.low >= 0.0 && is.usual_low < kNearZero * is.usual_high;
+}
+
+/// Replaces the statistics of raw muscle signals by those of their envelopes.
+void TakeEnvelopes(const std::filesystem::path& file, const std::string& array,
+                   const TimeGuess& time, Inspection& inspection) {
+  std::vector<std::pair<std::size_t, Envelope>> envelopes;
+  for (const std::size_t c : inspection.Sensors()) {
+    if (inspection.columns[c].quantity != Quantity::kMuscle) continue;
+    if (IsRectified(inspection.columns[c].statistics)) continue;
+    envelopes.emplace_back(c, Envelope(kUsualEnvelope_ms));
+  }
+  if (envelopes.empty()) return;
+  const auto is_whole = std::make_shared<bool>(true);
+  auto [layout, reader] = FindTable(file.string(), BeginningOf(TableSource(file, array), is_whole),
+                                    ProblemHandling::kRepair);
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    if (inspection.columns[c].kind == CellKind::kText) reader.Ignore(c);
+    if (inspection.columns[c].kind == CellKind::kTime) reader.ReadAsTime(c);
+  }
+  TableStatistics statistics(envelopes.size());
+  std::vector<double> values(reader.column_count());
+  std::vector<double> active(envelopes.size());
+  for (double row = 0.0; reader.NextRow(values); ++row) {
+    double time_s = inspection.has_time ? 0.0 : row / inspection.time.rate_hz;
+    for (const TimePart& part : time.parts) {
+      if (inspection.has_time) time_s += values[part.column] * SecondsPer(part.unit);
+    }
+    for (std::size_t i = 0; i < envelopes.size(); ++i) {
+      active[i] = envelopes[i].second.Step(time_s, values[envelopes[i].first]);
+    }
+    statistics.Add(time_s, active);
+  }
+  for (std::size_t i = 0; i < envelopes.size(); ++i) {
+    InspectedColumn& column = inspection.columns[envelopes[i].first];
+    column.statistics = statistics.Column(i);
+    column.envelope_ms = kUsualEnvelope_ms;
+    column.why = fmt::format("its envelope, mean absolute value over {:g} ms, lags by {:g} ms",
+                             kUsualEnvelope_ms, 0.5 * kUsualEnvelope_ms);
+  }
 }
 
 /// Quantities of the columns, and the joints of one family.
@@ -429,6 +475,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   const TimeGuess time = GuessTime(inspection.layout);
   const TableStatistics statistics = ReadTable(time, inspection.columns, reader);
   inspection.is_whole = *is_whole;
+  inspection.remarks = reader.remarks();
   inspection.rows = statistics.rows();
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     if (inspection.columns[c].kind == CellKind::kNumber) {
@@ -440,6 +487,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
            inspection);
   KeepPicture(statistics, inspection);
   FindJoints(statistics, options, inspection);
+  TakeEnvelopes(file, options.array, time, inspection);
   return inspection;
 }
 

@@ -35,6 +35,7 @@ struct InspectedColumn {
   bool is_inverted = false;  // falls while the joint bends
   double turned_deg = 0.0;   // added to angles that jump by 360, to be in the joint's range
   bool is_turning = false;   // jumps by 360
+  double envelope_ms = 0.0;  // of a muscle: `statistics` are those of its Envelope; 0: its values
   std::string why;           // reason for the channel, or for ignoring the column
 };
 
@@ -51,6 +52,7 @@ struct Inspection {
   TableLayout layout;
   std::size_t rows = 0;
   std::map<std::string, std::size_t> problems;  // number of rows by problem, see NameOf()
+  std::vector<std::string> remarks;             // of the source of the table
   std::string time_why;                         // reason for these time columns, or for none
   bool has_time = false;
   bool rate_is_known = false;

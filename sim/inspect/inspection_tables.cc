@@ -198,6 +198,7 @@ std::string InspectionJson(const Inspection& inspection) {
                                        {"summary", SummaryOf(inspection)},
                                        {"question", inspection.question},
                                        {"repairs", inspection.problems},
+                                       {"remarks", inspection.remarks},
                                        {"columns", JsonOf(ColumnsTable(inspection, false))}};
   return json.dump(2) + "\n";
 }

@@ -289,6 +289,19 @@ void TakeBest(const std::vector<const ColumnFamily*>& sensors,
   if (!any_joint && choice.question.empty()) choice.question = "no name of a column is a joint's";
 }
 
+/// Muscles of which a person may make channels.
+void TakeMuscles(const std::vector<ColumnFamily>& families, JointChoice& choice) {
+  const auto is_muscle = [](const ColumnFamily& family) {
+    return family.quantity == Quantity::kMuscle && family.facts.moving > 0;
+  };
+  const auto muscles = std::ranges::find_if(families, is_muscle);
+  if (muscles == families.end()) return;
+  Take(*muscles, choice);
+  choice.question = fmt::format("{}: {} of muscles; the joint that each is to move is unknown",
+                                ColumnsText(muscles->columns),
+                                muscles->columns.size() == 1 ? "activity" : "activities");
+}
+
 }  // namespace
 
 JointChoice ChooseJoints(const std::vector<ColumnFamily>& families,
@@ -310,7 +323,8 @@ JointChoice ChooseJoints(const std::vector<ColumnFamily>& families,
   const auto sensors = SensorsOf(families, options.hand, choice.question);
   if (!choice.question.empty()) return choice;
   if (sensors.empty()) {
-    choice.question = "no column looks like a sensor of a hand";
+    TakeMuscles(families, choice);
+    if (choice.columns.empty()) choice.question = "no column looks like a sensor of a hand";
     return choice;
   }
   TakeBest(sensors, names, choice);

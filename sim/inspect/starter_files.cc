@@ -87,9 +87,15 @@ bool HasTurns(const Inspection& inspection) {
   return std::ranges::any_of(inspection.columns, &InspectedColumn::is_turning);
 }
 
+bool HasEnvelopes(const Inspection& inspection) {
+  return std::ranges::any_of(
+      inspection.columns, [](const InspectedColumn& column) { return column.envelope_ms > 0.0; });
+}
+
 /// Keys that only some maps have, with a comma in front of each.
 std::string MoreKeys(const Inspection& inspection) {
   constexpr int kMostBits = 24;  // of a map
+  if (HasEnvelopes(inspection)) return ",envelope_ms";
   if (inspection.unit == RawUnit::kCounts && inspection.bits <= kMostBits) return ",bits";
   return HasTurns(inspection) ? ",offset,wraps_at" : "";
 }
@@ -106,8 +112,9 @@ std::string MapRow(const Inspection& inspection, std::size_t c) {
   const bool has_joint = !column.channel.empty();
   const Channel* joint = has_joint ? &KnownChannels()[ChannelIndex(column.channel)] : nullptr;
   const std::string values = column.is_turning ? fmt::format(",{:g},360", column.turned_deg)
-                             : keys == ",bits" ? fmt::format(",{}", inspection.bits)
-                                               : more;
+                             : column.envelope_ms > 0.0 ? fmt::format(",{:g}", column.envelope_ms)
+                             : keys == ",bits"          ? fmt::format(",{}", inspection.bits)
+                                                        : more;
   return fmt::format("{},{},{},{}{}\n", name, has_joint ? column.channel : "ignore",
                      AngleCells(inspection, column, joint), AssumedOf(inspection, column), values);
 }
@@ -213,7 +220,12 @@ std::string HeadOfMap(const Inspection& inspection) {
         "file as --map.\n",
         inspection.question);
   }
-  if (NeedsTwoPoints(inspection.unit)) {
+  if (HasEnvelopes(inspection)) {
+    map +=
+        "# raw_low, raw_high: lowest and highest usual values of the envelope, assumed to be rest "
+        "and\n"
+        "# full activity. Replace them by those of the wearer.\n";
+  } else if (NeedsTwoPoints(inspection.unit)) {
     map +=
         "# raw_low, raw_high: lowest and highest usual values, assumed to be a straight and a "
         "bent\n"

@@ -14,6 +14,7 @@
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/recordings/column_scale.h"
+#include "sim/recordings/envelope.h"
 #include "sim/recordings/log_map.h"
 #include "sim/recordings/time_columns.h"
 #include "sim/recordings/time_guess.h"
@@ -107,9 +108,9 @@ class MapFile {
   }
 
  private:
-  static constexpr std::array<std::string_view, 15> kKeys = {
+  static constexpr std::array<std::string_view, 16> kKeys = {
       "column",  "channel",  "unit", "scale",  "sign",     "offset",  "raw_low", "raw_high",
-      "deg_low", "deg_high", "bits", "weight", "wraps_at", "assumed", "joint"};
+      "deg_low", "deg_high", "bits", "weight", "wraps_at", "assumed", "joint",   "envelope_ms"};
 
   std::size_t Find(std::string_view key) const {
     return std::ranges::find(csv_.header(), key) - csv_.header().begin();
@@ -205,6 +206,22 @@ std::string AssumedIn(MapFile& file) {
   return text;
 }
 
+/// The window of an envelope, whose values at rest and at full activity are the two points.
+void AddEnvelope(MapFile& file, ColumnMapping& mapping) {
+  if (!file.Has("envelope_ms")) return;
+  mapping.envelope_ms = file.Number("envelope_ms", 0.0);
+  if (!(mapping.envelope_ms >= kShortestEnvelope_ms &&
+        mapping.envelope_ms <= kLongestEnvelope_ms)) {
+    file.FailAt("envelope_ms",
+                fmt::format("must be from {} to {}", kShortestEnvelope_ms, kLongestEnvelope_ms));
+  }
+  if (!mapping.points) file.FailAt("envelope_ms", "needs raw_low and raw_high of the envelope");
+  for (const std::string_view key : {"bits", "wraps_at"}) {
+    if (file.Has(key)) file.FailAt(key, "must be empty beside envelope_ms");
+  }
+  mapping.in_counts = false;  // of the muscle, not of a bend sensor
+}
+
 /// The next row of the map, which is of `channel`.
 void AddChannel(MapFile& file, std::size_t column, const std::string& channel, ColumnMap& map) {
   const auto index = FindChannel(channel);
@@ -224,6 +241,7 @@ void AddChannel(MapFile& file, std::size_t column, const std::string& channel, C
   mapping.wraps_at = file.Number("wraps_at", 0.0);
   if (mapping.wraps_at < 0.0) file.FailAt("wraps_at", "must be above 0");
   mapping.assumed = AssumedIn(file);
+  AddEnvelope(file, mapping);
   // Twice without a weight is a slip of the pen, not a sum.
   const auto before = std::ranges::find(map.channels, *index, &ColumnMapping::channel);
   if (before != map.channels.end() && !file.Has("weight")) {
@@ -240,7 +258,7 @@ void AddPart(MapFile& file, std::size_t column, const std::string& role, LogMap&
                                " must be one of: time, command, angle, motor, ignore; its joint "
                                "stands in the key joint");
   }
-  for (const std::string_view key : {"weight", "wraps_at"}) {
+  for (const std::string_view key : {"weight", "wraps_at", "envelope_ms"}) {
     if (file.Has(key)) file.FailAt(key, "is for a glove's channels, not for a log");
   }
   const bool two_points = file.Has("raw_low") || file.Has("raw_high");

@@ -37,6 +37,7 @@ struct ColumnMapping {
   std::optional<RawPoints> points = {};  // of a map with two known values
   double weight = 1.0;
   double wraps_at = 0.0;     // the column's values jump by this; 0: they do not
+  double envelope_ms = 0.0;  // window of the Envelope of the values; 0: the values themselves
   std::string assumed = {};  // what of this row is a guess, as in the map; empty: nothing
 };
 

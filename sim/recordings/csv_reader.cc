@@ -24,6 +24,8 @@
 namespace gauntlet::sim {
 namespace {
 
+constexpr std::string_view kRemarkMark = "#gauntlet: ";
+
 /// True for two rows with texts and numbers in the same cells, at least one number: the upper one
 /// names no columns.
 bool HaveNumbersInTheSameCells(std::string_view upper, std::string_view lower, char separator) {
@@ -37,6 +39,10 @@ bool HaveNumbersInTheSameCells(std::string_view upper, std::string_view lower, c
 }
 
 }  // namespace
+
+std::string RemarkLine(std::string_view remark) {
+  return fmt::format("{}{}\n", kRemarkMark, OneLine(remark));
+}
 
 CsvReader::CsvReader(std::string name, Source source, ProblemHandling handling, Listener listener,
                      int skipped_lines)
@@ -75,6 +81,7 @@ bool CsvReader::NextLine(std::string_view& line) {
     row_ = lines_.number();
     const std::string_view text = Trimmed(line);
     if (!text.empty() && text[0] != '#') return true;
+    if (text.starts_with(kRemarkMark)) remarks_.emplace_back(text.substr(kRemarkMark.size()));
   }
   return false;
 }

@@ -29,6 +29,11 @@ constexpr bool GoesOn(ProblemHandling handling) {
   return handling == ProblemHandling::kRepair || handling == ProblemHandling::kRemove;
 }
 
+/// A comment that a CsvReader keeps: what the source of a table has found out about it. It stands
+/// behind so many rows, where no header is looked for.
+std::string RemarkLine(std::string_view remark);
+inline constexpr int kRowsBeforeRemarks = 2;
+
 /// Reads numbers from text with one row a line (see TextLines), in one pass. It owns the shape of
 /// the table: its separator, columns, header and rows are those that it finds, for all who use it.
 ///
@@ -73,6 +78,8 @@ class CsvReader {
   /// Line of the first row of data.
   std::size_t first_row() const { return first_row_line_; }
   const std::string& name() const { return lines_.name(); }
+  /// What the source says of the table in the lines of RemarkLine() up to here.
+  const std::vector<std::string>& remarks() const { return remarks_; }
 
   /// A cell or the name of a column as it may stand in a message: short, printable, in quotes.
   /// '...' stands for what may be of no table at all: for letters in a file of one column, and for
@@ -96,6 +103,7 @@ class CsvReader {
   ProblemHandling handling_;
   Listener listener_;
   std::vector<std::string> header_;
+  std::vector<std::string> remarks_;
   std::size_t column_count_ = 0;
   char separator_ = ',';
   enum class Meaning : char { kNumber, kTime, kIgnored };

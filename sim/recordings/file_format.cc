@@ -136,6 +136,20 @@ std::pair<std::string, std::int64_t> PartsOfStem(const fs::path& file) {
   return {stem, number};
 }
 
+/// Errors: UserError for a folder, which is no recording here.
+void CheckFolder(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::is_directory(file, ignored)) return;
+  const bool is_output = fs::exists(file / "manifest.json", ignored);
+  throw UserError(
+      {.place = file.string(),
+       .problem = is_output
+                      ? "is an output folder of gauntlet, must be a recording: a file, a data "
+                        "set of LeRobot or a ROS 2 bag"
+                      : "is a folder without data/*/*.parquet (LeRobot), .db3 or .mcap "
+                        "(ROS 2); name a file in it"});
+}
+
 /// Errors: UserError if the folder has parts of several bags.
 std::vector<fs::path> BagFiles(const fs::path& folder) {
   std::vector<fs::path> files = ListedFiles(folder);
@@ -210,7 +224,10 @@ std::uintmax_t RecordingBytes(const fs::path& file) {
 
 FileFormat FormatOfFile(const std::filesystem::path& file) {
   const std::vector<fs::path> parts = DataSetFiles(file);
-  if (parts.empty()) return FormatOfBytes(BytesOf(FileSource(file), kHeadBytes));
+  if (parts.empty()) {
+    CheckFolder(file);
+    return FormatOfBytes(BytesOf(FileSource(file), kHeadBytes));
+  }
   if (parts.front().extension() == ".parquet") return FileFormat::kParquet;
   return FormatOfBytes(BytesOf(FileSource(parts.front()), kHeadBytes));
 }

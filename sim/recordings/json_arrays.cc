@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -36,6 +37,43 @@ std::optional<double> NumberOf(const Json& value) {
   return number ? number : SecondsOfText(text);
 }
 
+/// `left` or `right` in a text, or in a text of the first of several or of an object; else empty.
+std::string HandOf(const Json& value, int depth = 0) {
+  constexpr int kDeepestLabel = 4;
+  if (depth > kDeepestLabel) return "";
+  if (value.is_string()) {
+    std::string text = value.get<std::string>();
+    for (char& letter : text) {
+      letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    }
+    return text == "left" || text == "right" ? text : "";
+  }
+  if (value.is_array() && !value.empty()) return HandOf(value.front(), depth + 1);
+  if (!value.is_object()) return "";
+  for (const char* key : {"handedness", "hand", "side", "label", "categoryName", "category_name",
+                          "displayName", "classification"}) {
+    const auto found = value.find(key);
+    if (found == value.end()) continue;
+    if (std::string hand = HandOf(*found, depth + 1); !hand.empty()) return hand;
+  }
+  return "";
+}
+
+/// Hands of the items of a list: by their own words, or by those of the list of hands beside it,
+/// as trackers write `landmarks` and `handedness`. Empty where one of them has none, or two have
+/// the same.
+std::vector<std::string> HandsOf(const Json& list, const Json* beside) {
+  const bool has_beside = beside != nullptr && beside->is_array() && beside->size() == list.size();
+  std::vector<std::string> hands;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    std::string hand = list[i].is_object() ? HandOf(list[i]) : "";
+    if (hand.empty() && has_beside && list[i].is_structured()) hand = HandOf((*beside)[i]);
+    if (hand.empty() || std::ranges::count(hands, hand) > 0) return {};
+    hands.push_back(std::move(hand));
+  }
+  return hands;
+}
+
 /// Column by column what the rows have, each under the way to it.
 class RowCollector {
  public:
@@ -58,13 +96,20 @@ class RowCollector {
   }
 
  private:
-  void AddTo(const std::string& path, const Json& value, int depth) {
+  /// `beside`: list of the hands of the items, if there is one.
+  void AddTo(const std::string& path, const Json& value, int depth, const Json* beside = nullptr) {
     if (depth > kDeepest) throw UserError("is nested too deeply");
     if (value.is_object()) {
-      for (const auto& [key, part] : value.items()) AddTo(Join(path, key), part, depth + 1);
+      const Json* hands = nullptr;
+      for (const char* key : {"handedness", "handednesses", "multiHandedness"}) {
+        if (const auto found = value.find(key); found != value.end()) hands = &*found;
+      }
+      for (const auto& [key, part] : value.items()) AddTo(Join(path, key), part, depth + 1, hands);
     } else if (value.is_array()) {
+      const std::vector<std::string> hands = HandsOf(value, beside);
       for (std::size_t i = 0; i < value.size(); ++i) {
-        AddTo(Join(path.empty() ? "value" : path, std::to_string(i + 1)), value[i], depth + 1);
+        const std::string name = hands.empty() ? std::to_string(i + 1) : hands[i];
+        AddTo(Join(path.empty() ? "value" : path, name), value[i], depth + 1);
       }
     } else if (const auto number = NumberOf(value)) {
       const auto [column, is_new] = columns_.try_emplace(path);

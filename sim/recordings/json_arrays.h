@@ -16,6 +16,9 @@ namespace gauntlet::sim {
 ///     [{"t": 0, "f": {"a": 1, "b": [2, 3]}}, ..]     columns t, f_a, f_b_1, f_b_2
 ///     {"frames": [{"t": 0}, ..]}                     columns frames_t
 ///
+/// Items of a list that name their hand, left or right, have that name instead of a number:
+/// `{"hands": [{"handedness": "Right", "x": 1}]}` is hands_right_x.
+///
 /// Texts that are numbers, dates or clocks count as such: see SecondsOfText. Errors: UserError
 /// without a place.
 std::vector<NamedArray> ReadJsonArrays(std::string_view text);

@@ -331,7 +331,7 @@ class MessageRows::Json {
 };
 
 MessageRows::MessageRows(const Topic& topic)
-    : has_radians_(PlainTypeName(topic.type) == "sensor_msgs/JointState"),
+    : is_joint_state_(PlainTypeName(topic.type) == "sensor_msgs/JointState"),
       root_(std::make_unique<Node>()),
       column_counts_{{"time_s", 1}} {
   if (std::string problem = ProblemOf(topic); !problem.empty()) throw UserError(problem);
@@ -391,8 +391,12 @@ void MessageRows::SetLists() {
   for (const List& list : lists_) {
     Node& node = *list.node;
     const std::string path = node.path.empty() ? "value" : node.path;
-    const bool is_angle = has_radians_ && path == "position";
-    const std::string unit = is_angle ? "_rad" : "";
+    const bool is_position = is_joint_state_ && path == "position";
+    const auto new_column = [&](const std::string& name) {
+      const int column = NewColumn(name);
+      if (is_position) positions_.push_back(static_cast<std::size_t>(column));
+      return column;
+    };
     const std::vector<int>* columns = &node.numbered;
     const bool may_be_named = node.parent == names_parent_ || node.is_per_joint;
     if (name_lists_ == 1 && may_be_named && list.size == names_.size()) {
@@ -401,7 +405,7 @@ void MessageRows::SetLists() {
         node.named.clear();
         for (const std::string& name : names_) {
           const auto [known, is_new] = node.by_name.try_emplace(name, -1);
-          if (is_new) known->second = NewColumn(is_angle ? name + unit : Join(path, name));
+          if (is_new) known->second = new_column(is_position ? name : Join(path, name));
           if (std::ranges::find(node.named, known->second) != node.named.end()) {
             throw UserError(fmt::format("has a message with two values of {}", Shown(name)));
           }
@@ -415,8 +419,7 @@ void MessageRows::SetLists() {
                                     OneLine(path, 60), names_.size()));
       }
       while (node.numbered.size() < list.size) {
-        node.numbered.push_back(
-            NewColumn(Join(path, std::to_string(node.numbered.size() + 1)) + unit));
+        node.numbered.push_back(new_column(Join(path, std::to_string(node.numbered.size() + 1))));
       }
     }
     for (std::size_t i = 0; i < list.size; ++i) {

@@ -18,7 +18,8 @@ namespace gauntlet::sim {
 /// Each number is a column, named by the fields on the way to it. Numbers of a list are numbered
 /// from 1; where the message has a list of as many names (`name`, `names`, `joint_names`) beside
 /// them, they have these names; so do positions, velocities and the like in its parts. Times and
-/// durations are in seconds; positions of a JointState are radians, and the columns `NAME_rad`.
+/// durations are in seconds. Positions of a JointState have the names of their joints; for their
+/// unit see UnitOfJoint().
 /// Left out are texts, layouts of arrays, and lists of more than 64 bytes, as images are.
 /// Source: OMG Common Data Representation (formal/02-06-51, 15.3); docs.ros.org, sensor_msgs.
 class MessageRows {
@@ -36,6 +37,8 @@ class MessageRows {
   std::optional<std::int64_t> stamp_ns() const { return stamp_ns_; }
   /// Columns of all messages so far.
   const std::vector<std::string>& columns() const { return columns_; }
+  /// Columns with positions of a JointState.
+  const std::vector<std::size_t>& positions() const { return positions_; }
 
  private:
   struct Node;
@@ -52,11 +55,12 @@ class MessageRows {
   void SetLists();
   int NewColumn(const std::string& path);
 
-  MessageTypes types_;        // of CDR
-  bool has_radians_ = false;  // positions of JointState
+  MessageTypes types_;  // of CDR
+  bool is_joint_state_ = false;
   std::unique_ptr<Node> root_;
   std::vector<std::string> columns_;
   std::map<std::string, int, std::less<>> column_counts_;  // by name
+  std::vector<std::size_t> positions_;
   std::vector<double> row_;
   std::optional<std::int64_t> stamp_ns_;
   std::vector<List> lists_;

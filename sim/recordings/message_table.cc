@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <numeric>
 #include <optional>
@@ -11,6 +12,8 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
+#include "sim/recordings/csv_reader.h"
+#include "sim/recordings/joint_unit.h"
 #include "sim/recordings/message_rows.h"
 #include "sim/recordings/message_type.h"
 
@@ -89,6 +92,7 @@ std::optional<std::size_t> FindTopic(const std::vector<Topic>& topics, std::stri
 /// What all messages of a topic have in common.
 struct TopicFacts {
   std::vector<std::string> columns;
+  std::vector<std::string> remarks;  // on units
   bool has_stamps = true;
   bool is_sorted = true;  // by the time to be used
 };
@@ -109,11 +113,44 @@ void ForEachRow(MessageFile& file, std::size_t topic, MessageRows& rows, const V
   });
 }
 
+/// Types of the joints in the first robot_description of the file; empty without one.
+JointTypes JointTypesOf(MessageFile& file) {
+  std::string text;
+  for (std::size_t i = 0; i < file.topics().size(); ++i) {
+    const Topic& topic = file.topics()[i];
+    if (!topic.name.ends_with("robot_description") || topic.encoding != "cdr" ||
+        PlainTypeName(topic.type) != "std_msgs/String") {
+      continue;
+    }
+    file.ForEachMessage(i, [&text](std::int64_t, std::string_view data) {
+      if (text.empty()) text = data;
+    });
+  }
+  return JointTypesIn(text);
+}
+
+/// Names positions of joints with their units.
+void NameUnits(MessageFile& file, const MessageRows& rows, const std::vector<double>& largest,
+               TopicFacts& facts) {
+  if (rows.positions().empty()) return;
+  const JointTypes types = JointTypesOf(file);
+  for (const std::size_t column : rows.positions()) {
+    JointUnit unit = UnitOfJoint(facts.columns[column], largest[column], types);
+    facts.columns[column] += unit.suffix;
+    if (!unit.why.empty()) facts.remarks.push_back(std::move(unit.why));
+  }
+}
+
 TopicFacts FactsOf(MessageFile& file, std::size_t topic, MessageRows& rows) {
   TopicFacts facts;
+  std::vector<double> largest;  // magnitude per column
   bool is_sorted_by_stamp = true;
   std::optional<std::int64_t> log_before, stamp_before;
   ForEachRow(file, topic, rows, [&](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {
+    largest.resize(rows.row().size());
+    for (const std::size_t column : rows.positions()) {
+      largest[column] = std::fmax(largest[column], std::abs(rows.row()[column]));
+    }
     facts.has_stamps = facts.has_stamps && stamp_ns.has_value();
     if (log_before && log_ns < *log_before) facts.is_sorted = false;
     if (stamp_before && stamp_ns && *stamp_ns < *stamp_before) is_sorted_by_stamp = false;
@@ -125,6 +162,7 @@ TopicFacts FactsOf(MessageFile& file, std::size_t topic, MessageRows& rows) {
   if (facts.columns.empty()) {
     throw UserError(fmt::format("topic {} has no numbers", OneLine(file.topics()[topic].name, 60)));
   }
+  NameUnits(file, rows, largest, facts);
   return facts;
 }
 
@@ -133,13 +171,15 @@ class RowWriter {
  public:
   explicit RowWriter(const std::function<void(std::string_view)>& write) : write_(write) {}
 
-  void Names(const std::vector<std::string>& names) {
-    fmt::format_to(std::back_inserter(text_), "time_s,{}\n", fmt::join(names, ","));
+  void Names(const TopicFacts& facts) {
+    fmt::format_to(std::back_inserter(text_), "time_s,{}\n", fmt::join(facts.columns, ","));
+    for (const std::string& remark : facts.remarks) remarks_ += RemarkLine(remark);
   }
   void Row(std::int64_t ns, std::span<const double> values) {
     Time(ns);
     for (const double value : values) fmt::format_to(std::back_inserter(text_), ",{}", value);
     text_.push_back('\n');
+    if (++rows_ == kRowsBeforeRemarks) text_.append(remarks_);
     constexpr std::size_t kBlockBytes = std::size_t{1} << 16;
     if (text_.size() > kBlockBytes) Flush();
     before_ns_ = last_ns_;
@@ -170,6 +210,8 @@ class RowWriter {
 
   const std::function<void(std::string_view)>& write_;
   fmt::memory_buffer text_;
+  std::string remarks_;
+  int rows_ = 0;
   std::int64_t last_ns_ = 0;
   std::int64_t before_ns_ = 0;
 };
@@ -207,7 +249,7 @@ void WriteTopicTable(MessageFile& file, std::string_view chosen,
   MessageRows rows(file.topics()[topic]);
   const TopicFacts facts = FactsOf(file, topic, rows);
   RowWriter table(write);
-  table.Names(facts.columns);
+  table.Names(facts);
   std::vector<std::int64_t> times_ns;  // of rows that have to be sorted
   std::vector<double> values;
   ForEachRow(file, topic, rows, [&](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {

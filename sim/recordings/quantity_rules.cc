@@ -47,6 +47,11 @@ bool HasUnitNorm(const Facts& facts) {
          facts.norm_spread < kLargestNormSpread && facts.norm > 0.97 && facts.norm < 1.03;
 }
 bool IsVector(const Facts& facts) { return facts.axes == "xyz"; }
+bool SlidesByName(const Facts& facts) {
+  return !facts.names_fingers &&
+         HasWordOf(facts.words,
+                   "gripper grip jaw jaws prismatic slide slider rail linear lift finger");
+}
 bool IsBeyondCounts(const Facts& facts) { return facts.reach >= kBeyondCounts; }
 bool StandsAlone(const Facts& facts) {
   return !facts.names_fingers && facts.moving == 0 && facts.columns == 1;
@@ -155,6 +160,8 @@ constexpr QuantityRule kRules[] = {
     {"distance", kPosition, Unit::kUnknown, false,
      "distance dist length mm cm metre metres meter meters aperture height width", Any,
      "a distance, by its name", "apertures of motion capture"},
+    {"metres", kPosition, Unit::kUnknown, false, "m", SlidesByName,
+     "metres of a joint that slides, by its name", "position of JointState of ROS, gripper_m"},
     {"position", kPosition, Unit::kUnknown, false, "", IsVector, "a vector in space: x, y, z",
      "Thumb_MCP_Position_X of Manus, landmarks of MediaPipe"},
     {"beyond_counts", kUnknown, Unit::kUnknown, false, "", IsBeyondCounts,

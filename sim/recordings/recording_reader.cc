@@ -95,6 +95,12 @@ void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFor
                        .offset_rad = scale.offset_rad,
                        .keeps_to_range = format.keeps_to_range,
                        .wraps_at = mapping.wraps_at});
+  if (mapping.envelope_ms == 0.0) return;
+  channels_.back().envelope.emplace(mapping.envelope_ms);
+  notes_.push_back(fmt::format(
+      "{} is the envelope of column {}: mean absolute value over {:g} ms, which lags by {:g} ms",
+      KnownChannels()[channel].name, mapping.column + 1, mapping.envelope_ms,
+      0.5 * mapping.envelope_ms));
 }
 
 double RecordingReader::Unwrapped(Linear& linear, double value) {
@@ -238,7 +244,8 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
     for (std::size_t c = 0; c < angle_rad.size(); ++c) angle_rad[c] = kMissing;
     for (Linear& linear : channels_) {
       double& angle = angle_rad[linear.channel];
-      const double value = Unwrapped(linear, values_[linear.column]);
+      double value = Unwrapped(linear, values_[linear.column]);
+      if (linear.envelope) value = linear.envelope->Step(now_s, value);
       const double part = linear.factor * value + linear.offset_rad;
       angle = linear.is_first ? part : angle + part;
       if (!linear.is_last) continue;
@@ -251,6 +258,7 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
 
 std::vector<std::string> RecordingReader::Remarks() const {
   std::vector<std::string> remarks = notes_;
+  remarks.insert(remarks.end(), csv_->remarks().begin(), csv_->remarks().end());
   for (const auto& [problem, count] : problems_) remarks.push_back(Remark(problem, count));
   for (const Linear& linear : channels_) {
     if (linear.jumps == 0) continue;

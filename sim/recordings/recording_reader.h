@@ -13,6 +13,7 @@
 #include "sim/recordings/column_map.h"
 #include "sim/recordings/column_scale.h"
 #include "sim/recordings/csv_reader.h"
+#include "sim/recordings/envelope.h"
 #include "sim/recordings/missing.h"
 
 namespace gauntlet::sim {
@@ -93,6 +94,7 @@ class RecordingReader {
     double before = kMissing;  // the last value
     double turned = 0.0;       // added to values since the last jump
     std::size_t jumps = 0;     // that were undone
+    std::optional<Envelope> envelope = std::nullopt;
   };
   /// The value of a column without its jumps.
   static double Unwrapped(Linear& linear, double value);

@@ -15,6 +15,8 @@
 #include "sim/base/text.h"
 #include "sim/recordings/file_format.h"
 #include "sim/recordings/json_arrays.h"
+#include "sim/recordings/keypoint_rows.h"
+#include "sim/recordings/keypoint_table.h"
 #include "sim/recordings/library_arrays.h"
 #include "sim/recordings/mcap_file.h"
 #include "sim/recordings/message_file.h"
@@ -227,13 +229,14 @@ CsvReader::Source SourceOf(const std::shared_ptr<HelperText>& text) {
 }
 
 [[noreturn]] void FailWithoutArrays(const fs::path& file, const std::string& array) {
-  throw UserError({.place = file.string(),
-                   .problem = fmt::format("is text, which has no array {}", Shown(array))});
+  throw UserError(
+      {.place = file.string(),
+       .problem = fmt::format("is text, which has no array or topic {}", Shown(array))});
 }
 
 }  // namespace
 
-CsvReader::Source TableSource(const fs::path& file, const std::string& array) {
+CsvReader::Source StoredTable(const fs::path& file, const std::string& array) {
   const FileFormat format = ReadableFormat(file);
   if (HasTopics(format)) {
     return SourceOf(std::make_shared<HelperText>(
@@ -243,12 +246,17 @@ CsvReader::Source TableSource(const fs::path& file, const std::string& array) {
     CsvReader::Source source = FileSource(file);
     if (!array.empty()) FailWithoutArrays(file, array);
     if (format == FileFormat::kUtf16) source = Utf8Of(std::move(source));
-    return PlainTable(std::move(source), InfoOf(file).names);
+    return PlainTable(KeypointsInColumns(file.string(), std::move(source)), InfoOf(file).names);
   }
   const auto write_table = [array](std::vector<NamedArray> arrays, const auto& write) {
     WriteTable(std::move(arrays), array, write);
   };
-  return SourceOf(std::make_shared<HelperText>(file, format, InfoOf(file), write_table));
+  return KeypointsInColumns(file.string(), SourceOf(std::make_shared<HelperText>(
+                                               file, format, InfoOf(file), write_table)));
+}
+
+CsvReader::Source TableSource(const fs::path& file, const std::string& array) {
+  return AnglesOfKeypoints(file.string(), StoredTable(file, array));
 }
 
 std::vector<ListedTopic> TopicsIn(const fs::path& file, const std::string& topic) {

@@ -17,6 +17,10 @@ namespace gauntlet::sim {
 /// no arrays to choose from.
 CsvReader::Source TableSource(const std::filesystem::path& file, const std::string& array = {});
 
+/// The same with keypoints of a hand as they are; TableSource() turns them into angles, see
+/// AnglesOfKeypoints().
+CsvReader::Source StoredTable(const std::filesystem::path& file, const std::string& array = {});
+
 /// All topics of a file of messages, and which is its table; none of another file.
 /// Errors: as TableSource().
 std::vector<ListedTopic> TopicsIn(const std::filesystem::path& file, const std::string& topic = {});

@@ -15,6 +15,7 @@
 
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
+#include "sim/recordings/joint_unit.h"
 #include "sim/recordings/source_bytes.h"
 #include "sim/recordings/time_text.h"
 
@@ -196,9 +197,9 @@ std::optional<TextForm> ListForm(const std::vector<std::string>& head, const Lis
 
 // --- JointState of ROS ---------------------------------------------------------------------------
 
-/// Column of a joint's position, which JointState has in rad.
+/// Column of a joint's position in JointState.
 std::string PositionName(const std::string& joint) {
-  return joint.ends_with("_rad") || joint.ends_with("_deg") ? joint : joint + "_rad";
+  return joint + std::string(UnitOfJoint(joint, controller::kNaN, {}).suffix);
 }
 
 /// A row of the stamp, the frame, the names, and numbers for each name in up to three arrays.

@@ -41,6 +41,7 @@ struct FingertipFormat {
   double rate_hz = 0.0;    // of a file without times; 0: it has them
   std::string array = {};  // of a file with several, or a topic; empty: by size
   double touch_mm = 15.0;  // distance of two tips whose pads touch, where no shape tells it
+  std::string side = {};   // left or right, of a file with keypoints of both hands
   std::vector<std::string> copied = {};  // joints of the other hand whose angles are copied
 };
 
@@ -58,12 +59,10 @@ double GapOfPinch(const HandKinematics& hand, int finger, double touch_m);
 FingertipMotion FingertipsOfAngles(const std::filesystem::path& recording, HandKinematics& hand,
                                    const FingertipFormat& format);
 
-/// Fingertips of keypoints: columns NAME_x, NAME_y, NAME_z with the names of OpenXR's 26 joints
-/// (thumb_tip, index_proximal, ..) in metres, or with _m or _mm behind them. NAME_radius is the
-/// distance to the skin; without it two pads touch where the tips are `touch_mm` apart.
-/// Source of names: OpenXR 1.0, XR_EXT_hand_tracking, XrHandJointEXT.
-/// Errors: UserError if a needed column is missing, if the size is not that of a hand in the unit
-/// of the columns, or if the fingers never bend, so that the palm's side is unknown.
+/// Fingertips of keypoints, with names and in units as of FindKeypoints() and PlaceHand(). Radii
+/// of the tips (`thumb_tip_radius` ..) are distances to the skin; without them two pads touch where
+/// the tips are `touch_mm` apart.
+/// Errors: UserError if there are no keypoints of one hand; as of PlaceHand().
 FingertipMotion FingertipsOfKeypoints(const std::filesystem::path& recording,
                                       const FingertipFormat& format);
 

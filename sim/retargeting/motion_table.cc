@@ -18,7 +18,7 @@ MotionTable LoadMotionTable(const std::filesystem::path& file, const std::string
                             double rate_hz,
                             const std::function<bool(std::string_view column)>& is_wanted) {
   FoundTable found =
-      FindTable(file.string(), TableSource(file, array), ProblemHandling::kAllowMissing);
+      FindTable(file.string(), StoredTable(file, array), ProblemHandling::kAllowMissing);
   CsvReader& csv = found.reader;
   const std::vector<std::string>& names = found.layout.names;
   if (!found.layout.has_header) {

@@ -19,7 +19,7 @@ struct MotionTable {
 };
 
 /// Reads the columns of which `is_wanted` is true. Times are from columns of time (TimeByName), or
-/// from `rate_hz` where that is above 0. `array`: see TableSource().
+/// from `rate_hz` where that is above 0. `array`: see StoredTable().
 /// Errors: UserError with file, row and column, if there are no names or no times, or if a time is
 /// missing or does not rise.
 MotionTable LoadMotionTable(const std::filesystem::path& file, const std::string& array,

@@ -223,7 +223,8 @@ TEST(TableSource, ChoosesAnArrayAndListsThemAll) {
               HasSubstr("a.json: holds no array c, but a_t (2 x 1)"));
   const std::filesystem::path text = folder.path() / "a.csv";
   std::ofstream(text) << "t,x\n0,1\n";
-  EXPECT_THAT(ErrorOf([&] { TableSource(text, "x"); }), HasSubstr("is text, which has no array x"));
+  EXPECT_THAT(ErrorOf([&] { TableSource(text, "x"); }),
+              HasSubstr("is text, which has no array or topic x"));
   EXPECT_TRUE(ArraysIn(text).empty());
 }
 

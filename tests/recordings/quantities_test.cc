@@ -115,6 +115,7 @@ std::vector<RuleRow> RulesOfRows() {
       {"quality", Fingers("_confidence", Between(0, 1)), Fingers("_share", Between(0, 1))},
       {"command", {{"goal_position", Between(0, 90)}}, {{"position", Between(0, 90)}}},
       {"distance", Fingers("_distance_mm", Between(0, 90)), Fingers("_bend", Between(0, 90))},
+      {"metres", {{"finger_joint1_m", Between(0, 0.04)}}, {{"sensor_m", Between(0, 0.04)}}},
       {"position", Axes("thumb_tip_", "xyz"), {{"thumb_tip", Between(-9, 19)}}},
       {"beyond_counts", {{"", Between(-1e12, 1e12)}}, {{"", Between(-1e3, 1e3)}}},
       {"constant", {{"flex_gain", Fixed(2)}}, {{"flex_gain", Between(0, 2)}}},

@@ -80,7 +80,7 @@ TEST(FingertipsOfKeypoints, AreThoseOfTheHandInAnyPlaceAndUnit) {
   for (const Placement& placement :
        {Placement{.is_left = true}, Placement{.turn_rad = 0.1},
         Placement{.is_left = true, .turn_rad = -0.2}, Placement{.unit = 1e3, .suffix = "_mm"},
-        Placement{.suffix = "_m"}}) {
+        Placement{.unit = 1e3}, Placement{.suffix = "_m"}}) {
     const FingertipMotion motion =
         FingertipsOfKeypoints(Written("b.csv", KeypointText(placement, 30)), {});
     ASSERT_EQ(motion.frames.size(), plain.frames.size());
@@ -122,14 +122,14 @@ TEST(FingertipsOfKeypoints, RefusesWhatItCannotTell) {
     const auto file = Written("d.csv", text);
     return ErrorOf([&] { FingertipsOfKeypoints(file, {}); });
   };
-  EXPECT_NE(error_of(KeypointText({.unit = 1e3}, 30)).find("look like millimetres"),
+  EXPECT_NE(error_of(KeypointText({.unit = 1e3, .suffix = "_m"}, 30)).find(" m, must be from 0.1"),
             std::string::npos);
   EXPECT_NE(error_of(KeypointText({.unit = 39.4}, 30)).find("must be from 0.1 to 0.3 m"),
             std::string::npos);
   EXPECT_NE(error_of(KeypointText({.bends = false}, 30)).find("never bend"), std::string::npos);
   std::string text = KeypointText({}, 30);
   text.replace(text.find("ring_tip_y"), 10, "ring_end_y");
-  EXPECT_NE(error_of(text).find("has no column ring_tip_y"), std::string::npos);
+  EXPECT_NE(error_of(text).find("has no x, y and z of ring_tip"), std::string::npos);
 }
 
 TEST(FingertipsOfAngles, TellsDegreesFromRadiansByTheNameOnly) {
