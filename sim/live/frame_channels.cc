@@ -22,7 +22,7 @@ namespace {
 std::vector<std::size_t> ValueColumns(const DeviceColumns& columns) {
   std::vector<std::size_t> values;
   for (std::size_t column = 0; column < columns.count; ++column) {
-    const bool is_time = std::ranges::find(columns.time, column) != columns.time.end();
+    const bool is_time = std::ranges::find(columns.time, column, &TimeMapping::column) != columns.time.end();
     if (!is_time && columns.number != column) values.push_back(column);
   }
   return values;

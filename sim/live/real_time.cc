@@ -5,6 +5,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstddef>
@@ -18,7 +19,7 @@ namespace {
 void TouchStack() noexcept {
   constexpr std::size_t kBytes = std::size_t{512} << 10;
   constexpr std::size_t kPage = 4096;
-  volatile char stack[kBytes];
+  std::array<volatile char, kBytes> stack;
   for (std::size_t at = 0; at < kBytes; at += kPage) stack[at] = 0;
 }
 
