@@ -203,6 +203,7 @@ void RunLiveCommand(const LiveCommand& command) {
   if (glove_address) {
     glove = OpenFrameSource(*glove_address);
     setup.source = glove.get();
+    setup.names_may_follow = glove_address->kind == DeviceKind::kUdp;
     UseRealLink(setup.trial.links.config);
   } else {
     setup.simulated_glove = study.gloves.front();

@@ -148,11 +148,13 @@ std::string QueueText(const LiveFacts& facts, const LiveContext& context) {
   if (!context.has_real_glove) {
     return fmt::format("Queues: at most {} frames in the receiver.", facts.most_queued);
   }
+  const std::string late = context.receiver.find("buffer") == std::string::npos
+                               ? ""
+                               : fmt::format("; {} frames late for the buffer", facts.late_frames);
   return fmt::format(
-      "Queues: at most {} frames before the control thread ({} left out), {} in the receiver; {} "
-      "frames late for their use. Commands replaced by newer ones before they were sent: {}.",
-      facts.most_waiting, facts.input_overruns, facts.most_queued, facts.late_frames,
-      facts.replaced_commands);
+      "Queues: at most {} frames before the control thread ({} left out), {} in the receiver{}. "
+      "Commands replaced by newer ones before they were sent: {}.",
+      facts.most_waiting, facts.input_overruns, facts.most_queued, late, facts.replaced_commands);
 }
 
 std::string WatchdogText(const LiveFacts& facts) {
@@ -166,7 +168,7 @@ std::string WatchdogText(const LiveFacts& facts) {
   text = text.empty() ? "Watchdog: the motors followed all the time."
                       : "Watchdog tiers: " + text + ".";
   if (facts.rests > 0) {
-    text += fmt::format(" Motors brought to rest: {} times.", facts.rests);
+    text += fmt::format(" Times that the motors were brought to rest: {}.", facts.rests);
   }
   return text;
 }

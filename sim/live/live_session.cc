@@ -152,6 +152,7 @@ class Session {
   void Output();
   void Log();
 
+  bool MayGetNames(std::int64_t arrival_ns);
   bool WaitForGlove();
   void ResetToFirstSample();
   std::int64_t StartTime() const;
@@ -188,13 +189,15 @@ class Session {
   std::atomic<bool> stop_asked_ = false;
   std::atomic<bool> input_ended_ = false;
   std::atomic<bool> sink_is_gone_ = false;
+  std::atomic<bool> has_started_ = false;     // the control thread, with its priority
   std::atomic<bool> control_ended_ = false;
   std::exception_ptr input_error_;  // before input_ended_
 
   LiveResult result_;
   std::optional<TraceRecorder> recorder_;
   StageClock clock_;            // of the output thread; without motors, of the control thread
-  FrameArrivals arrivals_;      // of the input thread
+  FrameArrivals arrivals_;      // of the input thread, with the next
+  std::int64_t first_arrival_ns_ = 0;
   GridFollower grid_;
   std::optional<PeriodicWake> wake_;
 
@@ -255,6 +258,15 @@ Session::Session(const LiveSetup& setup)
   result_.shadows.resize(shadows_.size());
 }
 
+/// A sender of packets repeats the names of its columns once a second: until then a listener that
+/// began later does not know what they are.
+bool Session::MayGetNames(std::int64_t arrival_ns) {
+  constexpr std::int64_t kPatience_ns = 1'200'000'000;
+  if (!setup_.names_may_follow || !setup_.source->columns().names.empty()) return false;
+  if (first_arrival_ns_ == 0) first_arrival_ns_ = arrival_ns;
+  return arrival_ns - first_arrival_ns_ < kPatience_ns;
+}
+
 /// The frames that arrive, until the session ends.
 void Session::Input() {
   RaisePriority(kInputPriority);
@@ -262,6 +274,7 @@ void Session::Input() {
     while (!ends_.load(std::memory_order_relaxed)) {
       const FrameSource::State state =
           setup_.source->Wait(kLook, [&](const DeviceFrame& frame) {
+            if (MayGetNames(frame.arrival_ns)) return;
             const FrameArrivals::Numbered numbered = arrivals_.Take(frame);
             const std::span<const double> counts =
                 channels_.Counts(setup_.source->columns(), frame.values);
@@ -374,7 +387,7 @@ void Session::TakeFrames() noexcept {
                           .values = counts});
     if (head.number <= logged_number_) return;
     logged_number_ = head.number;
-    samples_.Push(1e-9 * static_cast<double>(head.arrival_ns - start_ns_), counts);
+    if (!is_ending_) samples_.Push(1e-9 * static_cast<double>(head.arrival_ns - start_ns_), counts);
     if (timing_.ticks_per_sample == 1) return;
     const std::int64_t period = timing_.ticks_per_sample;
     const std::int64_t since = ((tick - grid_phase_) % period + period) % period;
@@ -582,6 +595,8 @@ bool Session::IsDone() noexcept {
 
 void Session::Control() {
   result_.facts.rights.has_priority = RaisePriority(kControlPriority);
+  has_started_.store(true, std::memory_order_release);
+  has_started_.notify_one();
   do {
     Tick(wake_->Wait());
   } while (!IsDone());
@@ -595,6 +610,7 @@ void Session::Output() {
   RaisePriority(kOutputPriority);
   std::vector<double> counts(output_.width());
   OutputHead head;
+  int good_sends = 0;
   for (;;) {
     const std::uint32_t calls = output_calls_.load(std::memory_order_acquire);
     const bool is_last = control_ended_.load(std::memory_order_acquire);
@@ -609,7 +625,12 @@ void Session::Output() {
       result_.facts.replaced_commands += found - 1;
       const FrameSink::Result sent =
           setup_.sink->Send({.number = head.number, .time_ns = head.due_ns, .values = counts});
-      sink_is_gone_.store(sent == FrameSink::Result::kGone, std::memory_order_relaxed);
+      // Without a listener the system reports every other packet only.
+      constexpr int kGoodSends = 5;
+      good_sends = sent == FrameSink::Result::kGone ? 0 : good_sends + 1;
+      if (good_sends == 0 || good_sends >= kGoodSends) {
+        sink_is_gone_.store(good_sends == 0, std::memory_order_relaxed);
+      }
       clock_.Add(head, MonotonicNow_ns());
     } else if (is_last) {
       return;
@@ -680,6 +701,7 @@ void Session::RunLoop() {
   if (has_motors_) threads.Start([this] { Output(); });
   threads.Start([this] { Log(); });
   threads.Start([this] { Control(); });
+  has_started_.wait(false, std::memory_order_acquire);
   if (const std::string refusal = result_.facts.rights.Refusal(); !refusal.empty() && setup_.say) {
     setup_.say(refusal);
   }

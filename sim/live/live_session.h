@@ -56,6 +56,7 @@ struct LiveSetup {
   std::shared_ptr<const GloveSignal> simulated_glove = {};  // null: frames of `source`
   FrameSource* source = nullptr;
   FrameChannelsConfig channels = {};  // of its frames
+  bool names_may_follow = false;      // of their columns, behind the first frames
   FrameSink* sink = nullptr;          // null: the simulated hand alone
   bool sink_comes_back = true;        // once it is gone; a pipe does not
   double seconds = 0.0;               // 0: until the source ends, or StopAsked()
