@@ -78,8 +78,7 @@ Scenario ScenarioOfSession(const Scenario& scenario, const std::filesystem::path
   motion.duration_s = duration_s;
   session.glove.motion = {.settings = motion};
   session.glove.tremor = {};
-  session.glove.noise = {};
-  session.glove.faults.clear();
+  session.glove = WithoutNoise(session.glove);
   if (session.link && session.link->glove) session.link->glove->transport = {};
   session.controllers.resize(1);
   session.baseline.clear();
