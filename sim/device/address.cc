@@ -16,8 +16,8 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::array<std::string_view, 8> kFormats = {"detect", "csv",    "labels",     "alpha",
-                                                      "json",   "binary", "cyberglove", "osc"};
+constexpr std::array<std::string_view, 9> kFormats = {
+    "detect", "csv", "labels", "alpha", "json", "binary", "cyberglove", "cyberglove_stream", "osc"};
 constexpr int kLargestPort = 65535;
 
 const char* Forms(DeviceRole role) {

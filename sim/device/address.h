@@ -17,7 +17,8 @@ enum class FrameFormat {
   kAlpha,
   kJson,
   kBinary,
-  kCyberglove,
+  kCyberglove,        // asked for each frame
+  kCybergloveStream,  // asked once
   kOsc,
 };
 
@@ -33,7 +34,7 @@ enum class DeviceRole { kSource, kSink };
 ///     serial:/dev/ttyUSB0[@115200]       8 data bits, no parity, 1 stop bit
 ///
 /// Behind udp and serial, words may follow after commas: a format (csv, labels, alpha, json,
-/// binary, cyberglove), and for serial `dtr` or `nodtr`, which set that line.
+/// binary, cyberglove, cyberglove_stream), and for serial `dtr` or `nodtr`, which set that line.
 struct DeviceAddress {
   DeviceKind kind = DeviceKind::kNone;
   FrameFormat format = FrameFormat::kDetect;

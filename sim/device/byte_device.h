@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "sim/device/address.h"
+#include "sim/device/frame_decoder.h"
 #include "sim/device/frame_source.h"
 
 namespace gauntlet::sim {
@@ -29,10 +30,7 @@ class ByteDevice {
   virtual FrameSource::State Wait(std::chrono::nanoseconds timeout, const Receiver& receive) = 0;
   /// Sends bytes back, if the device takes them now.
   virtual void Write(std::string_view /*bytes*/) {}
-  /// Each ArrivedBytes is a packet with whole frames.
-  virtual bool has_packets() const { return false; }
-  /// The first byte may be in the middle of a frame.
-  virtual bool may_begin_within() const { return false; }
+  virtual ByteFlow flow() const = 0;
   /// Of packets and openings alone.
   const SourceCounts& counts() const { return counts_; }
   const std::string& problem() const { return problem_; }

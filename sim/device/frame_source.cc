@@ -20,8 +20,12 @@ class DecodedSource : public FrameSource {
   DecodedSource(DeviceAddress address, std::unique_ptr<ByteDevice> device)
       : address_(std::move(address)),
         device_(std::move(device)),
-        decoder_(MakeFrameDecoder(address_.format, !device_->may_begin_within(),
-                                  address_.osc_address)) {}
+        decoder_(MakeFrameDecoder(address_.format, device_->flow(), address_.osc_address)) {}
+  ~DecodedSource() override {
+    if (const std::string farewell = decoder_->Farewell(); !farewell.empty()) {
+      device_->Write(farewell);
+    }
+  }
 
   State Wait(std::chrono::nanoseconds timeout, const FrameReceiver& receive) override {
     if (const std::string request = decoder_->Request(MonotonicNow_ns()); !request.empty()) {
@@ -33,7 +37,7 @@ class DecodedSource : public FrameSource {
         decoder_->Restart();
       }
       decoder_->Take(arrived.bytes, arrived.arrival_ns, receive);
-      if (device_->has_packets()) decoder_->EndPacket(arrived.arrival_ns, receive);
+      if (device_->flow() == ByteFlow::kPackets) decoder_->EndPacket(arrived.arrival_ns, receive);
     };
     const State state = device_->Wait(timeout, take);
     if (state != State::kOpen) decoder_->Restart();
@@ -108,9 +112,13 @@ std::unique_ptr<FrameSource> OpenFrameSource(const DeviceAddress& address,
     case DeviceKind::kUdp:
     case DeviceKind::kOsc:
       return std::make_unique<DecodedSource>(address, OpenUdpListener(address));
-    default:
-      throw UserError({.place = Shown(address.text), .problem = "is no source of frames"});
+    case DeviceKind::kSerial:
+      return std::make_unique<DecodedSource>(address, OpenSerialPort(address));
+    case DeviceKind::kNone:
+    case DeviceKind::kStdout:
+      break;
   }
+  throw UserError({.place = Shown(address.text), .problem = "is no source of frames"});
 }
 
 }  // namespace gauntlet::sim

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "sim/device/frame_decoder.h"
 #include "sim/recordings/table_layout.h"
 #include "sim/recordings/table_source.h"
+#include "sim/recordings/time_columns.h"
 #include "sim/recordings/time_guess.h"
 
 namespace gauntlet::sim {
@@ -29,7 +31,10 @@ class RecordingSource : public FrameSource {
                          [this](RecordingProblem, std::size_t) { ++counts_.garbage; })) {
     const TableLayout& layout = table_.layout;
     columns_.count = layout.columns;
-    SetColumnNames(layout.names, columns_);
+    columns_.names = layout.names;
+    columns_.version = 1;
+    const auto number = std::ranges::find_if(layout.names, IsSampleNumber);
+    if (number != layout.names.end()) columns_.number = number - layout.names.begin();
     columns_.time = TimeByName(layout);
     for (const TimeMapping& time : columns_.time) {
       if (time.is_text) table_.reader.ReadAsTime(time.column);

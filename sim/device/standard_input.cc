@@ -38,6 +38,8 @@ class StandardInput : public ByteDevice {
     return has_ended_ ? FrameSource::State::kEnded : FrameSource::State::kOpen;
   }
 
+  ByteFlow flow() const override { return ByteFlow::kWholeStream; }
+
  private:
   bool has_ended_ = false;
 };

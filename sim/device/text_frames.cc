@@ -8,59 +8,213 @@
 #include <utility>
 
 #include "sim/base/csv_line.h"
+#include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/recordings/json_arrays.h"
+#include "sim/recordings/missing.h"
+#include "sim/recordings/text_forms.h"
 #include "sim/recordings/text_lines.h"
 
 namespace gauntlet::sim {
+
+/// Names and values of lines in one form.
+class LineForm {
+ public:
+  enum class Found { kRow, kNames, kHalf, kGarbage };
+
+  LineForm(FrameFormat format, std::vector<std::string> names, std::size_t count)
+      : format_(format), names_(std::move(names)), count_(count) {}
+  virtual ~LineForm() = default;
+
+  FrameFormat format() const { return format_; }
+  /// Empty: not known.
+  const std::vector<std::string>& names() const { return names_; }
+  std::size_t count() const { return count_; }
+  const std::string& problem() const { return problem_; }
+
+  /// `values` has count() places. kNames: the line gave names(), which were not known before, or
+  /// repeats them.
+  virtual Found Read(std::string_view line, std::span<double> values) = 0;
+
+ protected:
+  Found Fail(Found found, std::string problem) {
+    problem_ = std::move(problem);
+    return found;
+  }
+  Found FailCount(std::size_t count) {
+    return Fail(count < count_ ? Found::kHalf : Found::kGarbage,
+                fmt::format("a line has {} of {} values", count, count_));
+  }
+
+  FrameFormat format_;
+  std::vector<std::string> names_;
+  std::size_t count_;
+  std::string problem_;
+};
+
 namespace {
 
 constexpr std::size_t kLongestFrameLine = std::size_t{1} << 16;
 constexpr std::size_t kMostHeadLines = 40;
+constexpr std::size_t kLinesForLabels = 4;
 
 bool IsBlankOrComment(std::string_view line) {
   const std::string_view text = Trimmed(line);
   return text.empty() || text.front() == '#';
 }
 
-/// The shape of a line of cells.
-struct RowShape {
-  char separator = ',';
-  std::size_t cells = 0;
-  bool is_row = false;    // values only, at least one number
-  bool is_names = false;  // keys only
-
-  bool HasSameCells(const RowShape& other) const {
-    return cells == other.cells && (separator == other.separator || cells == 1);
-  }
-};
-
-RowShape ShapeOf(std::string_view line) {
-  RowShape shape{.separator = SeparatorOf(line)};
-  std::vector<std::string_view> cells = SplitCells(line, shape.separator);
+/// Without the cell behind a separator at the end.
+void DropBlankEnd(std::vector<std::string_view>& cells) {
   if (cells.size() > 1 && Trimmed(cells.back()).empty()) cells.pop_back();
-  shape.cells = cells.size();
+}
+
+std::vector<std::string> NamesIn(const std::vector<std::string_view>& cells) {
+  std::vector<std::string> names;
+  for (const std::string_view cell : cells) names.emplace_back(Unquoted(cell));
+  return names;
+}
+
+/// True for cells that may name columns: texts, none of them a value.
+bool AreNames(const std::vector<std::string_view>& cells, char separator) {
+  return std::ranges::all_of(cells, [separator](std::string_view cell) {
+    return !IsValue(cell, separator) && TextProblem(cell).empty();
+  });
+}
+
+/// True for values only, at least one of them a number.
+bool AreValues(const std::vector<std::string_view>& cells, char separator) {
   bool has_number = false;
-  shape.is_row = std::ranges::all_of(cells, [&](std::string_view cell) {
-    const std::optional<double> value = ValueIn(cell, shape.separator);
+  const bool has_values = std::ranges::all_of(cells, [&](std::string_view cell) {
+    const std::optional<double> value = ValueIn(cell, separator);
     has_number = has_number || (value && std::isfinite(*value));
     return value.has_value();
   });
-  shape.is_row = shape.is_row && has_number;
-  shape.is_names = std::ranges::all_of(cells, [&](std::string_view cell) {
-    return !Unquoted(cell).empty() && !ValueIn(cell, shape.separator) && TextProblem(cell).empty();
-  });
-  return shape;
+  return has_values && has_number;
 }
+
+// --- CSV -----------------------------------------------------------------------------------------
+
+class CsvForm : public LineForm {
+ public:
+  CsvForm(char separator, std::vector<std::string> names, std::size_t count)
+      : LineForm(FrameFormat::kCsv, std::move(names), count), separator_(separator) {}
+
+  Found Read(std::string_view line, std::span<double> values) override {
+    std::vector<std::string_view> cells = SplitCells(line, separator_);
+    if (cells.size() == count_ + 1) DropBlankEnd(cells);
+    if (cells.size() != count_) return FailCount(cells.size());
+    for (std::size_t i = 0; i < count_; ++i) {
+      const std::optional<double> value = ValueIn(cells[i], separator_);
+      if (!value) return ReadNames(cells, i);
+      values[i] = *value;
+    }
+    return Found::kRow;
+  }
+
+ private:
+  Found ReadNames(const std::vector<std::string_view>& cells, std::size_t bad_cell) {
+    if (!AreNames(cells, separator_)) {
+      return Fail(Found::kGarbage, fmt::format("value {} of a line is no number", bad_cell + 1));
+    }
+    std::vector<std::string> names = NamesIn(cells);
+    if (names_.empty())
+      names_ = std::move(names);
+    else if (names != names_)
+      return Fail(Found::kGarbage, "a line has other names of columns");
+    return Found::kNames;
+  }
+
+  char separator_;
+};
+
+// --- Labels, alpha encoding, JointState ----------------------------------------------------------
+
+class TableForm : public LineForm {
+ public:
+  TableForm(FrameFormat format, TextForm form)
+      : LineForm(format, form.names, form.names.size()), form_(std::move(form)) {}
+
+  Found Read(std::string_view line, std::span<double> values) override {
+    const auto cells = form_.convert(line);
+    if (!cells) {
+      return Fail(Found::kGarbage, "a line does not have the labels of the first ones");
+    }
+    for (std::size_t i = 0; i < count_; ++i) {
+      values[i] = ValueIn((*cells)[i], ',').value_or(kMissing);
+    }
+    return Found::kRow;
+  }
+
+ private:
+  TextForm form_;
+};
+
+std::unique_ptr<LineForm> MakeTableForm(FrameFormat format, std::optional<TextForm> form) {
+  if (!form) return nullptr;
+  return std::make_unique<TableForm>(format, std::move(*form));
+}
+
+// --- JSON ----------------------------------------------------------------------------------------
+
+/// The numbers of a line with one JSON value, by name; empty if it has none or is no JSON.
+std::vector<NamedArray> JsonValuesIn(std::string_view line) {
+  try {
+    return ReadJsonRow(line);
+  } catch (const UserError&) {
+    return {};
+  }
+}
+
+std::vector<std::string> JsonNamesIn(std::string_view line) {
+  std::vector<std::string> names;
+  for (const NamedArray& value : JsonValuesIn(line)) names.push_back(value.name);
+  return names;
+}
+
+bool LooksLikeJson(std::string_view line) {
+  const std::string_view text = Trimmed(line);
+  return text.starts_with('{') || text.starts_with('[');
+}
+
+class JsonForm : public LineForm {
+ public:
+  explicit JsonForm(std::vector<std::string> names)
+      : LineForm(FrameFormat::kJson, std::move(names), 0) {
+    count_ = names_.size();
+  }
+
+  Found Read(std::string_view line, std::span<double> values) override {
+    const std::vector<NamedArray> found = JsonValuesIn(line);
+    std::ranges::fill(values, kMissing);
+    bool has_value = false;
+    for (const NamedArray& value : found) {
+      const auto name = std::ranges::find(names_, value.name);
+      if (name == names_.end()) continue;
+      const double number = value.values.front();
+      values[static_cast<std::size_t>(name - names_.begin())] = number;
+      has_value = has_value || !std::isnan(number);
+    }
+    if (has_value) return Found::kRow;
+    const std::string_view text = Trimmed(line);
+    const bool has_end = text.ends_with('}') || text.ends_with(']');
+    return Fail(LooksLikeJson(line) && !has_end ? Found::kHalf : Found::kGarbage,
+                "a line is no JSON with the keys of the first one");
+  }
+};
 
 }  // namespace
 
-TextFrames::TextFrames(FrameFormat format, bool begins_whole)
-    : format_(format), begins_whole_(begins_whole), is_in_line_(!begins_whole) {}
+// --- Lines ---------------------------------------------------------------------------------------
+
+TextFrames::TextFrames(FrameFormat format, ByteFlow flow)
+    : format_(format), flow_(flow), passes_over_line_(flow == ByteFlow::kCutStream) {}
+
+TextFrames::~TextFrames() = default;
 
 void TextFrames::Restart() {
-  if (!rest_.empty()) CountHalf("a line has no end");
+  if (!rest_.empty()) CountHalf("the last line has no end");
   rest_.clear();
-  is_in_line_ = !begins_whole_;
+  passes_over_line_ = flow_ == ByteFlow::kCutStream;
 }
 
 void TextFrames::Take(std::string_view bytes, std::int64_t arrival_ns,
@@ -69,116 +223,129 @@ void TextFrames::Take(std::string_view bytes, std::int64_t arrival_ns,
     const std::size_t end = bytes.find('\n');
     const std::string_view part = bytes.substr(0, end);
     bytes.remove_prefix(std::min(part.size() + 1, bytes.size()));
-    if (!is_in_line_) rest_.append(part);
+    if (!passes_over_line_) rest_.append(part);
     if (rest_.size() > kLongestFrameLine) {
       CountGarbage(fmt::format("a line is longer than {} bytes", kLongestFrameLine));
       rest_.clear();
-      is_in_line_ = true;
+      passes_over_line_ = true;
     }
     if (end == std::string_view::npos) return;
-    if (is_in_line_) {
-      is_in_line_ = false;
-      continue;
+    if (!std::exchange(passes_over_line_, false)) {
+      TakeLine(std::exchange(rest_, {}), arrival_ns, receive);
     }
-    const std::string line = std::exchange(rest_, {});
-    TakeLine(line, arrival_ns, receive);
   }
 }
 
 void TextFrames::EndPacket(std::int64_t arrival_ns, const FrameReceiver& receive) {
-  is_in_line_ = false;
-  const std::string line = std::exchange(rest_, {});
-  TakeLine(line, arrival_ns, receive);
+  passes_over_line_ = false;
+  TakeLine(std::exchange(rest_, {}), arrival_ns, receive);
 }
 
 void TextFrames::TakeLine(std::string_view line, std::int64_t arrival_ns,
                           const FrameReceiver& receive) {
   line = WithoutByteOrderMark(line);
+  if (line.ends_with('\r')) line.remove_suffix(1);
   if (IsBlankOrComment(line)) return;
-  if (is_known_) {
+  if (form_) {
     TakeRow(line, arrival_ns, receive);
     return;
   }
   head_.push_back({std::string(line), arrival_ns});
-  LookAtHead(receive);
-  if (!is_known_ && head_.size() > kMostHeadLines) {
-    CountGarbage("lines that do not agree with each other");
-    head_.pop_front();
-  }
-}
-
-bool TextFrames::FindTable() {
-  if (format_ != FrameFormat::kDetect && format_ != FrameFormat::kCsv) return false;
-  if (head_.size() < 2) return false;
-  const std::size_t last = head_.size() - 1;
-  const RowShape row = ShapeOf(head_[last].text);
-  const RowShape above = ShapeOf(head_[last - 1].text);
-  if (!row.is_row || !row.HasSameCells(above)) return false;
-  const bool is_alone = row.cells == 1 && (!begins_whole_ || head_.size() > 2);
-  if (!above.is_row && (!above.is_names || is_alone)) return false;
-  std::size_t first = last - 1;  // the line of names, or the first row
-  std::vector<std::string> names;
-  if (above.is_names) {
-    for (const std::string_view cell : SplitCells(head_[first].text, row.separator)) {
-      names.emplace_back(Unquoted(cell));
+  form_ = FindForm();
+  if (!form_) {
+    if (head_.size() > kMostHeadLines) {
+      CountGarbage("no two lines agree");
+      head_.pop_front();
+      is_first_line_ = false;
     }
-    names.resize(row.cells);
-    ++first;
-  } else if (first > 0) {
-    // Names above rows that came before any shape was known, such as one cell of each.
-    const RowShape top = ShapeOf(head_[first - 1].text);
-    if (top.is_names && top.HasSameCells(row) && begins_whole_ && first == 1) {
-      names.emplace_back(Unquoted(head_[0].text));
-    }
+    return;
   }
-  const std::size_t left_out = above.is_names ? first - 1 : first - (names.empty() ? 0 : 1);
-  for (std::size_t i = 0; i < left_out; ++i) CountGarbage("a line before the first two that agree");
-  head_.erase(head_.begin(), head_.begin() + static_cast<std::ptrdiff_t>(first));
-  separator_ = row.separator;
-  columns_.count = row.cells;
-  SetColumnNames(std::move(names), columns_);
-  values_.resize(row.cells);
-  format_ = FrameFormat::kCsv;
-  return true;
-}
-
-void TextFrames::LookAtHead(const FrameReceiver& receive) {
-  is_known_ = FindTable();
-  if (!is_known_) return;
-  for (const Line& line : std::exchange(head_, {})) TakeRow(line.text, line.arrival_ns, receive);
+  format_ = form_->format();
+  columns_.count = form_->count();
+  values_.resize(columns_.count);
+  NameColumns(form_->names());
+  for (std::size_t i = 0; i < first_; ++i) CountGarbage("a line before the first ones that agree");
+  const std::deque<Line> head = std::exchange(head_, {});
+  for (std::size_t i = first_; i < head.size(); ++i) {
+    TakeRow(head[i].text, head[i].arrival_ns, receive);
+  }
 }
 
 void TextFrames::TakeRow(std::string_view line, std::int64_t arrival_ns,
                          const FrameReceiver& receive) {
-  std::vector<std::string_view> cells = SplitCells(line, separator_);
-  if (cells.size() == columns_.count + 1 && Trimmed(cells.back()).empty()) cells.pop_back();
-  if (cells.size() != columns_.count) {
-    std::string problem = fmt::format("a line has {} of {} values", cells.size(), columns_.count);
-    cells.size() < columns_.count ? CountHalf(std::move(problem))
-                                  : CountGarbage(std::move(problem));
-    return;
+  switch (form_->Read(line, values_)) {
+    case LineForm::Found::kRow:
+      Emit(values_, arrival_ns, receive);
+      break;
+    case LineForm::Found::kNames:
+      if (columns_.names.empty()) NameColumns(form_->names());
+      break;
+    case LineForm::Found::kHalf:
+      CountHalf(form_->problem());
+      break;
+    case LineForm::Found::kGarbage:
+      CountGarbage(form_->problem());
+      break;
   }
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::optional<double> value = ValueIn(cells[i], separator_);
-    if (!value) {
-      const RowShape shape = ShapeOf(line);
-      if (!shape.is_names) {
-        CountGarbage(fmt::format("the value {} of a line is no number", i + 1));
-        return;
-      }
-      std::vector<std::string> names;  // sent again, for listeners that came later
-      for (const std::string_view cell : cells) names.emplace_back(Unquoted(cell));
-      if (columns_.names.empty()) {
-        SetColumnNames(std::move(names), columns_);
-      } else if (names != columns_.names) {
-        CountGarbage("a line has other names of columns than the first one");
-      }
-      return;
+}
+
+// --- The form of the first lines -----------------------------------------------------------------
+
+std::unique_ptr<LineForm> TextFrames::FindTable() {
+  const std::size_t last = head_.size() - 1;
+  const std::string& line = head_[last].text;
+  const std::string& line_above = head_[last - 1].text;
+  const char separator = SeparatorOf(line);
+  std::vector<std::string_view> cells = SplitCells(line, separator);
+  if (!AreValues(cells, separator)) return nullptr;
+  std::vector<std::string_view> above = SplitCells(line_above, separator);
+  // A separator may stand behind the last value, or behind the last name.
+  DropBlankEnd(above);
+  if (AreValues(above, separator)) above = SplitCells(line_above, separator);
+  if (cells.size() == above.size() + 1) DropBlankEnd(cells);
+  if (above.size() != cells.size()) return nullptr;
+  // A word alone may be a boot message: only the first line of a stream that begins whole names a
+  // single column.
+  const auto may_name = [&](std::size_t i) {
+    return cells.size() > 1 || (i == 0 && is_first_line_ && flow_ != ByteFlow::kCutStream);
+  };
+  std::vector<std::string> names;
+  if (AreNames(above, separator)) {
+    if (!may_name(last - 1)) return nullptr;
+    names = NamesIn(above);
+  } else if (!AreValues(above, separator)) {
+    return nullptr;
+  }
+  first_ = last - 1;
+  return std::make_unique<CsvForm>(separator, std::move(names), cells.size());
+}
+
+std::unique_ptr<LineForm> TextFrames::FindForm() {
+  std::unique_ptr<LineForm> form;
+  if (head_.size() < 2) return form;
+  const std::string& last = head_.back().text;
+  const std::string& above = head_[head_.size() - 2].text;
+  if (MayBe(FrameFormat::kJson) && LooksLikeJson(last) && LooksLikeJson(above)) {
+    std::vector<std::string> names = JsonNamesIn(last);
+    first_ = head_.size() - 2;
+    if (!names.empty() && names == JsonNamesIn(above)) {
+      return std::make_unique<JsonForm>(std::move(names));
     }
-    values_[i] = *value;
   }
-  ++counts_.frames;
-  receive(FrameOf(columns_, values_, arrival_ns));
+  if (MayBe(FrameFormat::kCsv)) form = FindTable();
+  if (form) return form;
+  first_ = head_.size() - std::min(head_.size(), kLinesForLabels);
+  std::vector<std::string> lines;
+  for (std::size_t i = first_; i < head_.size(); ++i) lines.push_back(head_[i].text);
+  if (MayBe(FrameFormat::kLabels)) form = MakeTableForm(FrameFormat::kLabels, LabelledForm(lines));
+  if (!form && MayBe(FrameFormat::kAlpha)) {
+    form = MakeTableForm(FrameFormat::kAlpha, AlphaForm(lines));
+  }
+  if (!form && MayBe(FrameFormat::kCsv)) {
+    first_ = head_.size() - 2;
+    form = MakeTableForm(FrameFormat::kCsv, JointStateForm({above, last}));
+  }
+  return form;
 }
 
 }  // namespace gauntlet::sim

@@ -67,7 +67,7 @@ class UdpListener : public ByteDevice {
     }
     return FrameSource::State::kOpen;
   }
-  bool has_packets() const override { return true; }
+  ByteFlow flow() const override { return ByteFlow::kPackets; }
 
  private:
   static int OpenSocket(const DeviceAddress& address) {
