@@ -33,8 +33,7 @@ struct GloveCommand {
         ScenarioArgument(scenario_file),
         Option("--to", &to, {.value = "SINK", .required = true},
                "udp:HOST:PORT, osc:HOST:PORT, serial:DEVICE or stdout"),
-        Option("--format", &format,
-               {.words = {"csv", "labels", "alpha", "json", "binary"}},
+        Option("--format", &format, {.words = {"csv", "labels", "alpha", "json", "binary"}},
                "form of the frames, as of docs/reference/live-formats.md [csv]"),
         Option("--seconds", &seconds, {.range = {0.1, 36000.0}},
                "how long; the motion repeats [once]"),
@@ -61,11 +60,10 @@ void RunGlove(const GloveCommand& command) {
   DeviceAddress address = ParseDeviceAddress(command.to, DeviceRole::kSink);
   if (!command.format.empty()) address.format = ParseFrameFormat(command.format);
   GlovePlay play;
-  play.glove = std::make_shared<const GloveSignal>(
-      controller::WithinSetting("glove", [&] {
-        return SynthesiseGlove(GloveOf(scenario, scenario.seed),
-                               static_cast<std::uint64_t>(scenario.seed));
-      }));
+  play.glove = std::make_shared<const GloveSignal>(controller::WithinSetting("glove", [&] {
+    return SynthesiseGlove(GloveOf(scenario, scenario.seed),
+                           static_cast<std::uint64_t>(scenario.seed));
+  }));
   if (scenario.link) play.link = scenario.link->glove;
   play.timing = TimingOf(scenario).controller;
   play.seed = static_cast<std::uint64_t>(scenario.seed);

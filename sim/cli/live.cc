@@ -147,17 +147,16 @@ void SayHow(const LiveSetup& setup, const LinksConfig& wanted) {
 }
 
 LiveContext ContextOf(const LiveCommand& command, const Study& study, const LiveSetup& setup) {
-  LiveContext context{.scenario = study.scenario.name,
-                      .controller = command.controller,
-                      .glove = setup.source == nullptr ? std::string(kSimulated)
-                                                       : setup.source->Description(),
-                      .motors = setup.sink == nullptr ? std::string(kSimulated)
-                                                      : setup.sink->Description(),
-                      .has_real_glove = setup.source != nullptr,
-                      .has_motors = setup.sink != nullptr,
-                      .timing = study.hand->timing().controller,
-                      .event_delay_ms = study.scenario.event.delay_ms,
-                      .receiver = {}};
+  LiveContext context{
+      .scenario = study.scenario.name,
+      .controller = command.controller,
+      .glove = setup.source == nullptr ? std::string(kSimulated) : setup.source->Description(),
+      .motors = setup.sink == nullptr ? std::string(kSimulated) : setup.sink->Description(),
+      .has_real_glove = setup.source != nullptr,
+      .has_motors = setup.sink != nullptr,
+      .timing = study.hand->timing().controller,
+      .event_delay_ms = study.scenario.event.delay_ms,
+      .receiver = {}};
   if (setup.trial.links.config.glove) {
     context.receiver = controller::KindName(setup.trial.links.config.glove->receiver.settings);
   }
@@ -195,8 +194,7 @@ void RunLiveCommand(const LiveCommand& command) {
   const LinksConfig wanted = setup.trial.links.config;
   for (std::size_t i = 1; i < study.scenario.controllers.size(); ++i) {
     const NamedController& shadow = study.scenario.controllers[i];
-    setup.shadows.push_back(
-        {shadow.name, SetupOf(study, shadow, study.scenario.seed).controller});
+    setup.shadows.push_back({shadow.name, SetupOf(study, shadow, study.scenario.seed).controller});
   }
   std::unique_ptr<FrameSource> glove;
   std::unique_ptr<FrameSink> motors;
@@ -235,9 +233,9 @@ void RunLiveCommand(const LiveCommand& command) {
   }
   if (!result.columns_remark.empty()) Say("gauntlet: {}\n", result.columns_remark);
   const LiveContext context = ContextOf(command, study, setup);
-  const std::filesystem::path recording =
-      command.record.empty() ? folder.path() / "recording.csv"
-                             : std::filesystem::path(command.record);
+  const std::filesystem::path recording = command.record.empty()
+                                              ? folder.path() / "recording.csv"
+                                              : std::filesystem::path(command.record);
   const LiveRecord record{.setup = &setup, .study = &study, .source = &source};
   const bool has_recording = glove_address || !command.record.empty();
   if (has_recording) WriteRecording(record, result, recording);

@@ -32,8 +32,8 @@ struct RecordedRows {
 RecordedRows RowsOf(const LiveRecord& record, const LiveResult& result) {
   if (record.setup->source != nullptr) return {result.recorded_time_s, result.recorded_counts};
   const GloveSignal& glove = *record.setup->simulated_glove;
-  const Index ticks = std::min(glove.true_angle_rad.rows(),
-                               Index{result.facts.ticks + result.facts.skipped_ticks});
+  const Index ticks =
+      std::min(glove.true_angle_rad.rows(), Index{result.facts.ticks + result.facts.skipped_ticks});
   RecordedRows rows;
   for (Index row = 0; row * glove.ticks_per_sample < ticks; ++row) {
     rows.time_s.push_back(static_cast<double>(row) / glove.rate_hz);
@@ -89,14 +89,13 @@ FinishedStudy FinishedOf(Study study, std::shared_ptr<const GloveSignal> glove, 
   FinishedStudy finished{.study = std::move(study), .result = {}, .summary = {}};
   finished.study.gloves = {glove};
   const Signal reference_rad = ReferenceAngles(finished.study.joint_map(), glove->true_angle_rad);
-  TrialOutcome outcome{.scores = ScoreTrial(finished.study,
-                                            finished.study.scenario.controllers.front().config,
-                                            *glove, reference_rad, trace, std::nullopt),
-                       .health = trace.health,
-                       .untrusted_samples = trace.untrusted_samples};
+  TrialOutcome outcome{
+      .scores = ScoreTrial(finished.study, finished.study.scenario.controllers.front().config,
+                           *glove, reference_rad, trace, std::nullopt),
+      .health = trace.health,
+      .untrusted_samples = trace.untrusted_samples};
   StudyResult& result = finished.result;
-  const double length_s =
-      static_cast<double>(glove->true_angle_rad.rows()) / glove->tick_rate_hz;
+  const double length_s = static_cast<double>(glove->true_angle_rad.rows()) / glove->tick_rate_hz;
   result.controller_names = {trace.controller_name};
   result.row_names = finished.study.rows.names;
   result.reference_name = glove->reference_name;
@@ -152,9 +151,9 @@ void WriteRecording(const LiveRecord& record, const LiveResult& result,
       text.push_back(',');
       if (std::isnan(counts)) continue;
       const double angle_rad =
-          glove.low_angle_rad[c] +
-          (counts - glove.low_counts[c]) * (glove.high_angle_rad[c] - glove.low_angle_rad[c]) /
-              (glove.high_counts[c] - glove.low_counts[c]);
+          glove.low_angle_rad[c] + (counts - glove.low_counts[c]) *
+                                       (glove.high_angle_rad[c] - glove.low_angle_rad[c]) /
+                                       (glove.high_counts[c] - glove.low_counts[c]);
       fmt::format_to(std::back_inserter(text), "{:.6g}", angle_rad * kDegPerRad);
     }
     text.push_back('\n');
@@ -173,8 +172,8 @@ LiveOutcome ScoreSession(const LiveRecord& record, const std::filesystem::path& 
   try {
     if (record.setup->source != nullptr) {
       if (result.recorded_time_s.size() < 2) throw UserError("has fewer than two samples");
-      const double length_s = std::min(static_cast<double>(rows) / rate_hz,
-                                       result.recorded_time_s.back());
+      const double length_s =
+          std::min(static_cast<double>(rows) / rate_hz, result.recorded_time_s.back());
       study = PrepareStudy(ScenarioOfSession(
           study.scenario, recording,
           std::floor(length_s * study.scenario.glove.rate_hz) / study.scenario.glove.rate_hz));
@@ -196,8 +195,8 @@ LiveOutcome ScoreSession(const LiveRecord& record, const std::filesystem::path& 
   }
   outcome.finished->folder = folder;
   if (result.trace_rows_left_out > 0) {
-    outcome.remark = fmt::format("the trace lacks {} ticks: the disk was too slow",
-                                 result.trace_rows_left_out);
+    outcome.remark =
+        fmt::format("the trace lacks {} ticks: the disk was too slow", result.trace_rows_left_out);
   }
   if (result.shadows.empty()) return outcome;
   const Trace& driven = outcome.finished->result.first_traces.front();

@@ -49,9 +49,10 @@ double DurationHistogram::Quantile_us(double share) const noexcept {
   std::int64_t seen = 0;
   for (std::int64_t step = 0; step < std::ssize(steps_); ++step) {
     seen += steps_[static_cast<std::size_t>(step)];
-    if (static_cast<double>(seen) >= wanted) {
-      return 1e-3 * static_cast<double>(std::min(LowerEnd_ns(step + 1), max_ns_));
-    }
+    if (static_cast<double>(seen) < wanted) continue;
+    const bool is_last = step + 1 == std::ssize(steps_);
+    return is_last ? max_us()
+                   : 1e-3 * static_cast<double>(std::min(LowerEnd_ns(step + 1), max_ns_));
   }
   return max_us();
 }

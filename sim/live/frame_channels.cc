@@ -22,7 +22,8 @@ namespace {
 std::vector<std::size_t> ValueColumns(const DeviceColumns& columns) {
   std::vector<std::size_t> values;
   for (std::size_t column = 0; column < columns.count; ++column) {
-    const bool is_time = std::ranges::find(columns.time, column, &TimeMapping::column) != columns.time.end();
+    const bool is_time =
+        std::ranges::find(columns.time, column, &TimeMapping::column) != columns.time.end();
     if (!is_time && columns.number != column) values.push_back(column);
   }
   return values;
@@ -81,29 +82,31 @@ void FrameChannels::TakeInOrder(const DeviceColumns& columns) {
   const std::vector<std::string>& names = config_.glove.channel_names;
   const std::vector<std::size_t> values = ValueColumns(columns);
   const std::string of_names =
-      columns.names.empty() ? ""
-                            : fmt::format(" ({})", Shown(fmt::format("{}", fmt::join(columns.names, ", "))));
+      columns.names.empty()
+          ? ""
+          : fmt::format(" ({})", Shown(fmt::format("{}", fmt::join(columns.names, ", "))));
   if (values.size() != names.size()) {
-    Fail(fmt::format("a frame has {} value{}{}, the glove has {} channels; --map FILE.csv names the "
-                     "channel of each column, and --set {} the channels of the glove",
-                     values.size(), values.size() == 1 ? "" : "s", of_names, names.size(),
-                     ShellWord("glove.channels=[..]")));
+    Fail(
+        fmt::format("a frame has {} value{}{}, the glove has {} channels; --map FILE.csv names the "
+                    "channel of each column, and --set {} the channels of the glove",
+                    values.size(), values.size() == 1 ? "" : "s", of_names, names.size(),
+                    ShellWord("glove.channels=[..]")));
   }
   channels_.assign(names.size(), {});
   for (std::size_t c = 0; c < names.size(); ++c) channels_[c].parts = {{.column = values[c]}};
-  remark_ = fmt::format("{} values a frame{} are the counts of {} to {} in this order; --map says "
-                        "otherwise",
-                        values.size(), of_names, names.front(), names.back());
+  remark_ = fmt::format(
+      "{} values a frame{} are the counts of {} to {} in this order; --map says "
+      "otherwise",
+      values.size(), of_names, names.front(), names.back());
 }
 
 void FrameChannels::Configure(const DeviceColumns& columns) {
   version_ = columns.version;
-  const ColumnMap map =
-      config_.map.empty()
-          ? MapByNames(columns, ValueColumns(columns))
-          : ReadColumnMap(config_.map, RecordingColumns{.name = config_.source,
-                                                        .header = columns.names,
-                                                        .count = columns.count});
+  const ColumnMap map = config_.map.empty()
+                            ? MapByNames(columns, ValueColumns(columns))
+                            : ReadColumnMap(config_.map, RecordingColumns{.name = config_.source,
+                                                                          .header = columns.names,
+                                                                          .count = columns.count});
   if (config_.map.empty() && map.channels.empty()) return TakeInOrder(columns);
   const controller::GloveCalibration& glove = config_.glove;
   std::vector<ChannelParts> channels(glove.channel_names.size());
@@ -117,9 +120,9 @@ void FrameChannels::Configure(const DeviceColumns& columns) {
     for (const ColumnMapping& mapping : map.channels) {
       if (mapping.channel != known) continue;
       are_counts = AreGloveCounts(mapping, glove.full_scale_counts);
-      const ColumnScale scale =
-          are_counts ? ColumnScale{.factor = 1.0 / counts_per_rad}
-                     : ScaleOf(mapping, glove.low_counts[c], glove.high_counts[c]);
+      const ColumnScale scale = are_counts
+                                    ? ColumnScale{.factor = 1.0 / counts_per_rad}
+                                    : ScaleOf(mapping, glove.low_counts[c], glove.high_counts[c]);
       channels[c].parts.push_back({.column = mapping.column,
                                    .factor = scale.factor * counts_per_rad,
                                    .wraps_at = mapping.wraps_at});
@@ -143,7 +146,8 @@ void FrameChannels::Configure(const DeviceColumns& columns) {
   }
   const std::string assumed = AssumptionsOf(map);
   if (!assumed.empty() && config_.drives_motors) {
-    Fail(fmt::format("the map {} drives motors only once it is confirmed: {}", config_.map, assumed));
+    Fail(fmt::format("the map {} drives motors only once it is confirmed: {}", config_.map,
+                     assumed));
   }
   channels_ = std::move(channels);
   remark_ = assumed;

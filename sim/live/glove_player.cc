@@ -19,10 +19,9 @@ GlovePlayed PlayGlove(const GlovePlay& play, FrameSink& sink) {
                  .period_ticks = static_cast<double>(play.timing.ticks_per_sample)},
                 play.timing, play.seed);
   const double tick_ns = 1e9 / play.timing.tick_rate_hz;
-  const double length_s = play.seconds > 0.0
-                              ? play.seconds
-                              : static_cast<double>(glove.true_angle_rad.rows()) /
-                                    play.timing.tick_rate_hz;
+  const double length_s = play.seconds > 0.0 ? play.seconds
+                                             : static_cast<double>(glove.true_angle_rad.rows()) /
+                                                   play.timing.tick_rate_hz;
   const auto ticks = static_cast<std::int64_t>(std::ceil(length_s * play.timing.tick_rate_hz));
   GlovePlayed played;
   std::vector<double> counts(glove.channel_names.size());

@@ -25,12 +25,12 @@ struct GlovePlay {
 /// What was sent.
 struct GlovePlayed {
   std::int64_t samples = 0;
-  std::int64_t lost = 0;          // on the simulated link
-  std::int64_t failed = 0;        // frames that found no receiver
-  std::int64_t dropped = 0;       // frames for which the system had no room
+  std::int64_t lost = 0;     // on the simulated link
+  std::int64_t failed = 0;   // frames that found no receiver
+  std::int64_t dropped = 0;  // frames for which the system had no room
   std::int64_t skipped_ticks = 0;
   double duration_s = 0.0;
-  DurationHistogram lateness;     // of wake-ups
+  DurationHistogram lateness;  // of wake-ups
 };
 
 /// Plays the glove in real time, until its end or StopAsked(). Frames have their number and the

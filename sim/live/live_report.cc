@@ -20,9 +20,7 @@ constexpr std::string_view kTierNames[] = {"follow", "hold", "relax", "off"};
 constexpr double kLeastTrend_ms_min = 1.0;
 constexpr double kLeastQueueBefore_ms_min = 10.0;  // clocks drift by up to 100 ppm: 6 ms a minute
 
-std::string Ms(double us) {
-  return std::isnan(us) ? "-" : fmt::format("{:.3f}", 1e-3 * us);
-}
+std::string Ms(double us) { return std::isnan(us) ? "-" : fmt::format("{:.3f}", 1e-3 * us); }
 
 ResultCell MsCell(double us) { return {{1e-3 * us}, Ms(us)}; }
 
@@ -43,8 +41,7 @@ double BatchPeriod_ms(const ArrivalFacts& arrivals) {
     longer += count;
   }
   const bool are_batches = 5 * shorter > 2 * gaps.count();
-  return are_batches && longer > 0 ? 1e-3 * sum_us / static_cast<double>(longer)
-                                   : controller::kNaN;
+  return are_batches && longer > 0 ? 1e-3 * sum_us / static_cast<double>(longer) : controller::kNaN;
 }
 
 bool Grows(const Trend& trend, double least) {
@@ -57,18 +54,19 @@ double ShareOf(std::int64_t part, std::int64_t all) {
 }
 
 ResultTable StageTable(const LiveFacts& facts) {
-  ResultTable table{.columns = {ResultColumn("stage", "stage").Words(),
-                                ResultColumn("mean_ms", "mean", "ms"),
-                                ResultColumn("share_percent", "share", "%"),
-                                ResultColumn("p50_ms", "p50", "ms"),
-                                ResultColumn("p95_ms", "p95", "ms"),
-                                ResultColumn("p99_ms", "p99", "ms"),
-                                ResultColumn("max_ms", "max", "ms")}};
+  ResultTable table{
+      .columns = {ResultColumn("stage", "stage").Words(), ResultColumn("mean_ms", "mean", "ms"),
+                  ResultColumn("share_percent", "share", "%"), ResultColumn("p50_ms", "p50", "ms"),
+                  ResultColumn("p95_ms", "p95", "ms"), ResultColumn("p99_ms", "p99", "ms"),
+                  ResultColumn("max_ms", "max", "ms")}};
   const auto add = [&](std::string_view name, const DurationHistogram& times) {
     const double share = 100.0 * times.mean_us() / facts.total.mean_us();
-    table.rows.push_back({ResultCell(ResultValue(std::string(name))), MsCell(times.mean_us()),
-                          {{share}, fmt::format("{:.1f}", share)}, MsCell(times.Quantile_us(0.5)),
-                          MsCell(times.Quantile_us(0.95)), MsCell(times.Quantile_us(0.99)),
+    table.rows.push_back({ResultCell(ResultValue(std::string(name))),
+                          MsCell(times.mean_us()),
+                          {{share}, fmt::format("{:.1f}", share)},
+                          MsCell(times.Quantile_us(0.5)),
+                          MsCell(times.Quantile_us(0.95)),
+                          MsCell(times.Quantile_us(0.99)),
                           MsCell(times.max_us())});
   };
   std::vector<std::size_t> order(kStages);
@@ -83,7 +81,8 @@ ResultTable StageTable(const LiveFacts& facts) {
 std::string LargestText(const LiveFacts& facts) {
   const auto largest = static_cast<std::size_t>(LargestStage(facts));
   return fmt::format(
-      "A command leaves {} ms after its glove sample arrived (median; p99 {} ms). The largest stage "
+      "A command leaves {} ms after its glove sample arrived (median; p99 {} ms). The largest "
+      "stage "
       "is: {}, {} ms on average.",
       Ms(facts.total.Quantile_us(0.5)), Ms(facts.total.Quantile_us(0.99)),
       kStageNames[largest].text, Ms(facts.stages[largest].mean_us()));
@@ -91,10 +90,10 @@ std::string LargestText(const LiveFacts& facts) {
 
 std::string FramesText(const LiveFacts& facts, const LiveContext& context) {
   const ArrivalFacts& arrivals = facts.arrivals;
-  std::string text = fmt::format(
-      "Samples: {:.1f}/s, of them {:.1f}/s different; longest gap {} ms.",
-      arrivals.PerSecond(arrivals.frames), arrivals.PerSecond(arrivals.different),
-      Ms(arrivals.gaps.max_us()));
+  std::string text =
+      fmt::format("Samples: {:.1f}/s, of them {:.1f}/s different; longest gap {} ms.",
+                  arrivals.PerSecond(arrivals.frames), arrivals.PerSecond(arrivals.different),
+                  Ms(arrivals.gaps.max_us()));
   if (arrivals.has_numbers) {
     text += fmt::format(
         " Lost {} ({:.2f} %), in bursts of up to {} (p99 {}); repeated {}; out of order {}.",
@@ -106,7 +105,8 @@ std::string FramesText(const LiveFacts& facts, const LiveContext& context) {
   if (const double batch_ms = BatchPeriod_ms(arrivals); !std::isnan(batch_ms)) {
     text += fmt::format(" They come in batches, about every {:.1f} ms.", batch_ms);
   }
-  if (arrivals.restarts > 0) text += fmt::format(" The sender restarted {} times.", arrivals.restarts);
+  if (arrivals.restarts > 0)
+    text += fmt::format(" The sender restarted {} times.", arrivals.restarts);
   const SourceCounts& source = facts.source;
   if (source.garbage + source.half_frames + source.foreign + source.overflowed + source.reopened >
       0) {
@@ -192,9 +192,10 @@ std::string AdviceText(const LiveFacts& facts, const LiveContext& context) {
   constexpr double kMuchSkipped_percent = 1.0;
   constexpr double kMuchLost_percent = 5.0;
   if (ShareOf(facts.skipped_ticks, facts.ticks + facts.skipped_ticks) > kMuchSkipped_percent) {
-    return fmt::format("Advice: the machine skipped {:.1f} % of the ticks; allow real-time priority "
-                       "or free a processor first.",
-                       ShareOf(facts.skipped_ticks, facts.ticks + facts.skipped_ticks));
+    return fmt::format(
+        "Advice: the machine skipped {:.1f} % of the ticks; allow real-time priority "
+        "or free a processor first.",
+        ShareOf(facts.skipped_ticks, facts.ticks + facts.skipped_ticks));
   }
   if (ShareOf(arrivals.lost, arrivals.frames + arrivals.lost) > kMuchLost_percent) {
     return "Advice: mend the link before the filter: more than 5 % of the samples are lost.";
@@ -210,18 +211,21 @@ std::string AdviceText(const LiveFacts& facts, const LiveContext& context) {
   const std::string gain = Ms(facts.stages[static_cast<std::size_t>(largest)].mean_us());
   switch (largest) {
     case Stage::kReceiver:
-      return fmt::format("Advice: the receiver costs {} ms ({}); link.glove.receiver.kind=newest "
-                         "has no buffer and no queue.",
-                         gain, context.receiver.empty() ? "newest" : context.receiver);
+      return fmt::format(
+          "Advice: the receiver costs {} ms ({}); link.glove.receiver.kind=newest "
+          "has no buffer and no queue.",
+          gain, context.receiver.empty() ? "newest" : context.receiver);
     case Stage::kEvent:
       return fmt::format("Advice: a shorter event.period_ms gains up to {} ms.", gain);
     case Stage::kTick:
     case Stage::kInput:
     case Stage::kSend:
-      return fmt::format("Advice: the machine takes {} ms; real-time priority or a free processor "
-                         "gains up to that.",
-                         gain);
-    case Stage::kFilter: break;
+      return fmt::format(
+          "Advice: the machine takes {} ms; real-time priority or a free processor "
+          "gains up to that.",
+          gain);
+    case Stage::kFilter:
+      break;
   }
   return fmt::format("Advice: a shorter filter gains up to {} ms of computing time.", gain);
 }
@@ -235,19 +239,22 @@ std::string KnownText(const LiveFacts& facts, const LiveContext& context) {
             "simulated sample on; its link, if set, is simulated.";
   if (context.has_real_glove) {
     text += facts.arrivals.has_sender_times
-                ? fmt::format(" The way before is known relative to its fastest frame only: {} ms "
-                              "(p50), {} (p99) above it; absolute, it would need a common clock.",
-                              Ms(facts.arrivals.relative_delay.Quantile_us(0.5)),
-                              Ms(facts.arrivals.relative_delay.Quantile_us(0.99)))
+                ? fmt::format(
+                      " The way before is known relative to its fastest frame only: {} ms "
+                      "(p50), {} (p99) above it; absolute, it would need a common clock.",
+                      Ms(facts.arrivals.relative_delay.Quantile_us(0.5)),
+                      Ms(facts.arrivals.relative_delay.Quantile_us(0.99)))
                 : " The way before is unknown: the frames have no time of their sender.";
   }
-  text += context.has_motors
-              ? " Not measured: the way to the motors, and the motors. The hand in the trace is the "
-                "simulated one beside them, with the same commands."
-              : " The hand is simulated.";
-  return text + fmt::format(" Assumed: {:g} ms from a command frame to the servos "
-                            "(event.delay_ms).",
-                            context.event_delay_ms);
+  text +=
+      context.has_motors
+          ? " Not measured: the way to the motors, and the motors. The hand in the trace is the "
+            "simulated one beside them, with the same commands."
+          : " The hand is simulated.";
+  return text + fmt::format(
+                    " Assumed: {:g} ms from a command frame to the servos "
+                    "(event.delay_ms).",
+                    context.event_delay_ms);
 }
 
 nlohmann::ordered_json JsonOf(const DurationHistogram& times) {
@@ -350,7 +357,8 @@ ResultText ShadowText(const std::vector<ShadowScore>& scores, const std::string&
   const auto best = std::ranges::min_element(scores, {}, &ShadowScore::tracking_rmse_deg);
   ResultText text;
   text.emplace_back(fmt::format(
-      "Controllers on the same samples, by the angles that they ask of the joints; reference: {}. {} "
+      "Controllers on the same samples, by the angles that they ask of the joints; reference: {}. "
+      "{} "
       "has the lowest tracking error, {:.3g} deg RMS, with jitter {:.3g} deg RMS and delay {:.3g} "
       "ms. One session gives no confidence interval: gauntlet compare on the recording does.",
       reference, best->name, best->tracking_rmse_deg, best->jitter_rms_deg, best->delay_ms));
@@ -388,8 +396,8 @@ nlohmann::ordered_json LiveJson(const LiveFacts& facts, const LiveContext& conte
                       {"failed", facts.sink.failed},
                       {"rests", facts.rests}};
   for (std::size_t tier = 1; tier < facts.tiers.size(); ++tier) {
-    json["watchdog"][std::string(kTierNames[tier])] = {
-        {"entered", facts.tiers[tier].entered}, {"longest_s", facts.tiers[tier].longest_s}};
+    json["watchdog"][std::string(kTierNames[tier])] = {{"entered", facts.tiers[tier].entered},
+                                                       {"longest_s", facts.tiers[tier].longest_s}};
   }
   json["loop"] = {{"tick_rate_hz", context.timing.tick_rate_hz},
                   {"ticks", facts.ticks},

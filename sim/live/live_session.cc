@@ -83,8 +83,8 @@ class StageClock {
     if (head.sample.number < 0) return;
     const SampleTimes& sample = head.sample;
     const std::array<std::int64_t, kStages + 1> times = {
-        sample.arrival_ns, sample.decoded_ns,  sample.taken_ns, sample.used_ns,
-        sample.filtered_ns, head.due_ns, sent_ns};
+        sample.arrival_ns,  sample.decoded_ns, sample.taken_ns, sample.used_ns,
+        sample.filtered_ns, head.due_ns,       sent_ns};
     for (std::size_t stage = 0; stage < kStages; ++stage) {
       stages[stage].Add(times[stage + 1] - times[stage]);
     }
@@ -185,18 +185,18 @@ class Session {
   RowRing<double> samples_;        // to the log: time [s] and counts
   RowRing<std::int64_t> targets_;  // to the log: tick; shadows x joints
   std::atomic<std::uint32_t> output_calls_ = 0;
-  std::atomic<bool> ends_ = false;            // all threads are to end
+  std::atomic<bool> ends_ = false;  // all threads are to end
   std::atomic<bool> stop_asked_ = false;
   std::atomic<bool> input_ended_ = false;
   std::atomic<bool> sink_is_gone_ = false;
-  std::atomic<bool> has_started_ = false;     // the control thread, with its priority
+  std::atomic<bool> has_started_ = false;  // the control thread, with its priority
   std::atomic<bool> control_ended_ = false;
   std::exception_ptr input_error_;  // before input_ended_
 
   LiveResult result_;
   std::optional<TraceRecorder> recorder_;
-  StageClock clock_;            // of the output thread; without motors, of the control thread
-  FrameArrivals arrivals_;      // of the input thread, with the next
+  StageClock clock_;        // of the output thread; without motors, of the control thread
+  FrameArrivals arrivals_;  // of the input thread, with the next
   std::int64_t first_arrival_ns_ = 0;
   GridFollower grid_;
   std::optional<PeriodicWake> wake_;
@@ -219,6 +219,7 @@ class Session {
   bool has_sent_ = false;
   bool is_ending_ = false;
   bool was_resting_ = false;
+  int rest_frames_ = 0;
   std::int64_t end_tick_ = 0;
   std::int64_t sent_tick_ = 0;
   std::int64_t command_number_ = 0;
@@ -272,19 +273,18 @@ void Session::Input() {
   RaisePriority(kInputPriority);
   try {
     while (!ends_.load(std::memory_order_relaxed)) {
-      const FrameSource::State state =
-          setup_.source->Wait(kLook, [&](const DeviceFrame& frame) {
-            if (MayGetNames(frame.arrival_ns)) return;
-            const FrameArrivals::Numbered numbered = arrivals_.Take(frame);
-            const std::span<const double> counts =
-                channels_.Counts(setup_.source->columns(), frame.values);
-            const bool is_taken = input_.Push({.number = numbered.number,
-                                               .stamp_s = numbered.stamp_s,
-                                               .arrival_ns = frame.arrival_ns,
-                                               .decoded_ns = MonotonicNow_ns()},
-                                              counts);
-            if (!is_taken) ++result_.facts.input_overruns;
-          });
+      const FrameSource::State state = setup_.source->Wait(kLook, [&](const DeviceFrame& frame) {
+        if (MayGetNames(frame.arrival_ns)) return;
+        const FrameArrivals::Numbered numbered = arrivals_.Take(frame);
+        const std::span<const double> counts =
+            channels_.Counts(setup_.source->columns(), frame.values);
+        const bool is_taken = input_.Push({.number = numbered.number,
+                                           .stamp_s = numbered.stamp_s,
+                                           .arrival_ns = frame.arrival_ns,
+                                           .decoded_ns = MonotonicNow_ns()},
+                                          counts);
+        if (!is_taken) ++result_.facts.input_overruns;
+      });
       if (state == FrameSource::State::kEnded) break;
     }
   } catch (...) {
@@ -330,8 +330,8 @@ void Session::ResetToFirstSample() {
         angle_rad(0, column) = setup_.simulated_glove->true_angle_rad(0, column);
         continue;
       }
-      const double share = (first_counts_[c] - glove.low_counts[c]) /
-                           (glove.high_counts[c] - glove.low_counts[c]);
+      const double share =
+          (first_counts_[c] - glove.low_counts[c]) / (glove.high_counts[c] - glove.low_counts[c]);
       angle_rad(0, column) =
           glove.low_angle_rad[c] + (std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 0.0) *
                                        (glove.high_angle_rad[c] - glove.low_angle_rad[c]);
@@ -431,8 +431,8 @@ bool Session::StepGlove(std::span<const std::int32_t>& frame) noexcept {
 void Session::NoteSample() noexcept {
   const Receiver* receiver = loop_.glove_receiver();
   if (receiver != nullptr) {
-    result_.facts.most_queued = std::max(
-        result_.facts.most_queued, static_cast<std::int64_t>(receiver->waiting_frames()));
+    result_.facts.most_queued =
+        std::max(result_.facts.most_queued, static_cast<std::int64_t>(receiver->waiting_frames()));
   }
   if (setup_.simulated_glove) {
     const std::int64_t captured = loop_.sample_tick();
@@ -466,7 +466,8 @@ std::span<const std::int32_t> Session::AtRestOr(std::span<const std::int32_t> fr
     has_wanted_ = true;
   }
   const auto since = static_cast<double>(loop_.tick() - sent_tick_);
-  const bool is_due = has_wanted_ && is_resting && since >= timing_.TicksOf(timing_.event_period_ms);
+  const bool is_due =
+      has_wanted_ && is_resting && since >= timing_.TicksOf(timing_.event_period_ms);
   return frame.empty() && !is_due ? std::span<const std::int32_t>() : rest_.Command(wanted_);
 }
 
@@ -480,6 +481,9 @@ void Session::SendCommand(std::span<const std::int32_t> frame) noexcept {
     sent_values_[motor] = frame[motor];
   }
   has_sent_ = true;
+  if (is_ending_ && std::ranges::equal(sent_, setup_.trial.hand->transmission().center_counts)) {
+    ++rest_frames_;
+  }
   sent_tick_ = loop_.tick();
   ++result_.facts.commands;
   if (sample_.number == last_sample_number_) ++result_.facts.repeated_samples;
@@ -590,7 +594,8 @@ bool Session::IsDone() noexcept {
   if (!has_motors_ || !has_wanted_) return true;
   constexpr double kMost_ms = 15'000.0;
   const bool is_long = static_cast<double>(loop_.tick() - end_tick_) > timing_.TicksOf(kMost_ms);
-  return is_long || std::ranges::equal(sent_, setup_.trial.hand->transmission().center_counts);
+  constexpr int kRestFrames = 3;  // one may be lost on its way
+  return is_long || rest_frames_ >= kRestFrames;
 }
 
 void Session::Control() {
@@ -768,7 +773,8 @@ LiveResult Session::Run() {
   if (input_error_) std::rethrow_exception(input_error_);
   if (!has_glove) {
     ThrowIfStopped();
-    throw UserError({.place = setup_.channels.source, .problem = setup_.source->AdviceWithoutFrames()});
+    throw UserError(
+        {.place = setup_.channels.source, .problem = setup_.source->AdviceWithoutFrames()});
   }
   Gather();
   return std::move(result_);

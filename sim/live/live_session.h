@@ -55,12 +55,12 @@ struct LiveSetup {
   std::vector<ShadowSetup> shadows = {};
   std::shared_ptr<const GloveSignal> simulated_glove = {};  // null: frames of `source`
   FrameSource* source = nullptr;
-  FrameChannelsConfig channels = {};  // of its frames
-  bool names_may_follow = false;      // of their columns, behind the first frames
-  FrameSink* sink = nullptr;          // null: the simulated hand alone
-  bool sink_comes_back = true;        // once it is gone; a pipe does not
-  double seconds = 0.0;               // 0: until the source ends, or StopAsked()
-  double trace_s = 120.0;             // the trace ends then
+  FrameChannelsConfig channels = {};                 // of its frames
+  bool names_may_follow = false;                     // of their columns, behind the first frames
+  FrameSink* sink = nullptr;                         // null: the simulated hand alone
+  bool sink_comes_back = true;                       // once it is gone; a pipe does not
+  double seconds = 0.0;                              // 0: until the source ends, or StopAsked()
+  double trace_s = 120.0;                            // the trace ends then
   std::function<void(const std::string&)> say = {};  // a line for the user
 };
 
@@ -81,30 +81,30 @@ struct LiveFacts {
   std::int64_t ticks = 0;
   std::int64_t skipped_ticks = 0;
   std::int64_t longest_skip_ticks = 0;
-  DurationHistogram lateness;       // of wake-ups
-  DurationHistogram step;           // wake-up until the command, in real time
-  DurationHistogram step_cpu;       // the same in processor time of the thread
-  DurationHistogram tick_work;      // wake-up until the end of the tick, simulated hand included
+  DurationHistogram lateness;   // of wake-ups
+  DurationHistogram step;       // wake-up until the command, in real time
+  DurationHistogram step_cpu;   // the same in processor time of the thread
+  DurationHistogram tick_work;  // wake-up until the end of the tick, simulated hand included
   RealTimeRights rights;
   // From a sample to its command frame.
   std::array<DurationHistogram, kStages> stages;
   DurationHistogram total;
-  Trend age_ms;                     // of the samples behind commands, over time [min]
-  std::int64_t commands = 0;        // frames sent, or handed to the simulated hand
-  std::int64_t repeated_samples = 0;  // commands behind which was the sample of the one before
-  std::int64_t replaced_commands = 0;  // that the output thread found with a newer one
+  Trend age_ms;                          // of the samples behind commands, over time [min]
+  std::int64_t commands = 0;             // frames sent, or handed to the simulated hand
+  std::int64_t repeated_samples = 0;     // commands behind which was the sample of the one before
+  std::int64_t replaced_commands = 0;    // that the output thread found with a newer one
   std::int32_t largest_step_counts = 0;  // between two commands, of any motor
   // The way of the frames.
   ArrivalFacts arrivals;
   SourceCounts source;
   SinkCounts sink;
-  std::int64_t input_overruns = 0;  // frames for which the ring to the control thread was full
-  std::int64_t most_waiting = 0;    // frames in that ring
-  std::int64_t most_queued = 0;     // frames in the receiver
-  std::int64_t late_frames = 0;     // that arrived after the receiver needed them
-  std::int64_t grid_shifts = 0;     // of the sampling grid, in ticks
+  std::int64_t input_overruns = 0;      // frames for which the ring to the control thread was full
+  std::int64_t most_waiting = 0;        // frames in that ring
+  std::int64_t most_queued = 0;         // frames in the receiver
+  std::int64_t late_frames = 0;         // that arrived after the receiver needed them
+  std::int64_t grid_shifts = 0;         // of the sampling grid, in ticks
   std::array<TierFacts, 4> tiers = {};  // of Watchdog::Tier
-  std::int64_t rests = 0;           // times that the motors were brought to rest: sink gone, or end
+  std::int64_t rests = 0;  // times that the motors were brought to rest: sink gone, or end
   std::vector<std::int64_t> untrusted_samples;  // per channel
 };
 

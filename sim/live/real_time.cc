@@ -32,7 +32,8 @@ std::string RealTimeRights::Refusal() const {
                                                : "real-time priority and locked memory are";
   return std::string(what) +
          " not allowed: wake-ups may be late; to allow it, add the lines \"@USER - rtprio 99\" and "
-         "\"@USER - memlock unlimited\" with your group to /etc/security/limits.d/gauntlet.conf and "
+         "\"@USER - memlock unlimited\" with your group to /etc/security/limits.d/gauntlet.conf "
+         "and "
          "log in again";
 }
 

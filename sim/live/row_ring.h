@@ -16,7 +16,10 @@ template <class Head>
 class RowRing {
  public:
   RowRing(std::size_t rows, std::size_t width)
-      : width_(width), mask_(std::bit_ceil(rows) - 1), heads_(mask_ + 1), values_(heads_.size() * width) {}
+      : width_(width),
+        mask_(std::bit_ceil(rows) - 1),
+        heads_(mask_ + 1),
+        values_(heads_.size() * width) {}
 
   std::size_t width() const noexcept { return width_; }
 

@@ -37,7 +37,7 @@ class TraceRecorder {
  private:
   /// What to do for one signal; the block is in the closures.
   struct Column {
-    std::function<void(const HandLoop&, Eigen::Index)> read;  // into a row of the blocks
+    std::function<void(const HandLoop&, Eigen::Index)> read;             // into a row of the blocks
     std::function<void(Eigen::Index, Eigen::Index, Eigen::Index)> move;  // row, first tick, ticks
     std::function<void(Eigen::Index)> cut;
   };
@@ -45,7 +45,7 @@ class TraceRecorder {
   void Move(Eigen::Index end);
 
   std::vector<Column> columns_;
-  Eigen::Index rows_;   // of the trace
+  Eigen::Index rows_;    // of the trace
   Eigen::Index places_;  // rows of all blocks
   std::atomic<Eigen::Index> recorded_ = 0;
   std::atomic<Eigen::Index> moved_ = 0;
