@@ -30,15 +30,15 @@ struct LiveOutcome {
 /// two minutes; at most ten minutes.
 double TraceLength_s(double seconds, double motion_s);
 
-/// The samples of the glove as joint angles over time, by its calibration: `time_s`, then `NAME_deg`
-/// per channel. Every command takes such a file without a map. Errors: RunError, UserError as of
-/// WriteOutputFile().
+/// The samples of the glove as joint angles over time, by its calibration: `time_s`, then
+/// `NAME_deg` per channel. Every command takes such a file without a map. Errors: RunError,
+/// UserError as of WriteOutputFile().
 void WriteRecording(const LiveRecord& record, const LiveResult& result,
                     const std::filesystem::path& file);
 
 /// Scores of the session's trace, as of a run: against the wearer's true angles where the glove was
-/// simulated, else against the smoothed recording, whose scenario it then is. Moves the trace out of
-/// `result`. Errors: UserError for a recording that cannot be read back.
+/// simulated, else against the smoothed recording, whose scenario it then is. Moves the trace out
+/// of `result`. Errors: UserError for a recording that cannot be read back.
 LiveOutcome ScoreSession(const LiveRecord& record, const std::filesystem::path& recording,
                          const std::filesystem::path& folder, LiveResult& result);
 

@@ -37,7 +37,7 @@ struct ArrivalFacts {
 ///
 /// Numbers that go back and stay there are those of a sender that started anew: the fifth rising
 /// one, if nothing new came for 50 ms, goes on behind the last. Without numbers frames are numbered
-/// in the order of arrival; repeated or reordered ones cannot be told then.
+/// in the order of arrival; then repeated or reordered ones are unknown.
 class FrameArrivals {
  public:
   struct Numbered {

@@ -204,7 +204,7 @@ std::string AdviceText(const LiveFacts& facts, const LiveContext& context) {
   if (frame_ms > total_ms) {
     return fmt::format(
         "Advice: command frames every {:g} ms hold a command for {:g} ms on average, longer than "
-        "all stages here ({:.2f} ms); a shorter event.period_ms gains up to that.",
+        "all stages here ({:.2f} ms); a shorter period of the frames gains up to that.",
         context.timing.event_period_ms, frame_ms, total_ms);
   }
   const Stage largest = LargestStage(facts);
@@ -216,7 +216,7 @@ std::string AdviceText(const LiveFacts& facts, const LiveContext& context) {
           "has no buffer and no queue.",
           gain, context.receiver.empty() ? "newest" : context.receiver);
     case Stage::kEvent:
-      return fmt::format("Advice: a shorter event.period_ms gains up to {} ms.", gain);
+      return fmt::format("Advice: a shorter period of the command frames gains up to {} ms.", gain);
     case Stage::kTick:
     case Stage::kInput:
     case Stage::kSend:

@@ -125,13 +125,13 @@ struct LiveResult {
 };
 
 /// Runs a session: the loop of a trial, with time of the real clock. Threads: input (a real glove),
-/// control, output (real motors), log. The control thread neither allocates nor takes locks, and its
+/// control, output (real motors), log. The control thread neither allocates nor takes locks. Its
 /// system calls are those of its sleep, of its processor time and of waking the output thread.
 ///
 /// A real glove is waited for. Frames that stay away, come late, repeated or in another order are
-/// the receiver's and the watchdog's of `link.glove`; a device that vanishes may come back. Before a
-/// session with real motors ends, and while their sink is gone, the motors turn to their rest
-/// positions at a limited speed, and so they follow again.
+/// decided by the receiver and the watchdog of `link.glove`; a device that vanishes may come back.
+/// Before a session with real motors ends, and while their sink is gone, the motors turn to their
+/// rest positions at a limited speed, and so they follow again.
 ///
 /// Errors: UserError for frames that are not those of the glove; RunError if no thread starts.
 LiveResult RunLive(const LiveSetup& setup);
