@@ -15,6 +15,7 @@
 #include <thread>
 #include <utility>
 
+#include "controller/assert.h"
 #include "controller/controller.h"
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
@@ -172,19 +173,26 @@ class Session {
   void RunLoop();
   void Gather();
 
+  RowRing<InputHead> input_;
+  RowRing<OutputHead> output_;
+  RowRing<double> samples_;        // to the log: time [s] and counts
+  RowRing<std::int64_t> targets_;  // to the log: tick; shadows x joints
+
   const LiveSetup& setup_;
   const controller::Timing& timing_;
-  bool has_motors_;
   HandLoop loop_;
   Watchdog rest_;
   std::vector<controller::Controller> shadows_;
   FrameChannels channels_;
 
-  RowRing<InputHead> input_;
-  RowRing<OutputHead> output_;
-  RowRing<double> samples_;        // to the log: time [s] and counts
-  RowRing<std::int64_t> targets_;  // to the log: tick; shadows x joints
   std::atomic<std::uint32_t> output_calls_ = 0;
+  int rest_frames_ = 0;  // this and the next six: of the control thread
+  bool has_motors_;
+  bool has_wanted_ = false;
+  bool has_sent_ = false;
+  bool is_ending_ = false;
+  bool was_resting_ = false;
+  Watchdog::Tier tier_ = Watchdog::Tier::kFollow;
   std::atomic<bool> ends_ = false;  // all threads are to end
   std::atomic<bool> stop_asked_ = false;
   std::atomic<bool> input_ended_ = false;
@@ -215,11 +223,6 @@ class Session {
   std::vector<std::int32_t> sent_;
   std::vector<double> sent_values_;
   std::vector<double> targets_row_;
-  bool has_wanted_ = false;
-  bool has_sent_ = false;
-  bool is_ending_ = false;
-  bool was_resting_ = false;
-  int rest_frames_ = 0;
   std::int64_t end_tick_ = 0;
   std::int64_t sent_tick_ = 0;
   std::int64_t command_number_ = 0;
@@ -228,22 +231,21 @@ class Session {
   std::int64_t grid_phase_ = 0;  // ticks by which the sampling grid was shifted
   std::int64_t woken_ns_ = 0;
   std::int64_t step_begin_ns_ = 0;
-  Watchdog::Tier tier_ = Watchdog::Tier::kFollow;
   std::int64_t tier_ticks_ = 0;
 };
 
 Session::Session(const LiveSetup& setup)
-    : setup_(setup),
+    : input_(kInputRows, setup.trial.calibration.channel_names.size()),
+      output_(kOutputRows, setup.trial.hand->transmission().motor_names.size()),
+      samples_(kLogRows, input_.width()),
+      targets_(kLogRows, setup.shadows.size() * setup.trial.hand->joint_names().size()),
+      setup_(setup),
       timing_(setup.trial.hand->timing().controller),
-      has_motors_(setup.sink != nullptr),
       loop_(setup.trial.controller, setup.trial.calibration, setup.trial.joint_map,
             setup.trial.hand, setup.trial.links),
       rest_(RestOf(setup.trial.links.config), setup.trial.hand->transmission(), timing_),
       channels_(setup.channels),
-      input_(kInputRows, setup.trial.calibration.channel_names.size()),
-      output_(kOutputRows, setup.trial.hand->transmission().motor_names.size()),
-      samples_(kLogRows, input_.width()),
-      targets_(kLogRows, setup.shadows.size() * setup.trial.hand->joint_names().size()),
+      has_motors_(setup.sink != nullptr),
       grid_(timing_.ticks_per_sample),
       times_(4096),
       first_counts_(input_.width(), controller::kNaN),
@@ -444,6 +446,7 @@ void Session::NoteSample() noexcept {
                .taken_ns = receiver == nullptr ? woken_ns_ : capture_ns,
                .used_ns = woken_ns_};
   } else {
+    GAUNTLET_ASSERT(receiver != nullptr);
     const std::int64_t number = receiver->number();
     if (number < 0 || number == sample_.number) return;
     const SampleTimes& times = times_[static_cast<std::size_t>(number) % times_.size()];
