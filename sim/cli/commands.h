@@ -23,6 +23,8 @@ Command MakeValidateCommand();
 Command MakeRetargetCommand();
 Command MakeReproduceCommand();
 Command MakeListCommand();
+Command MakeLiveCommand();
+Command MakeGloveCommand();
 Command MakeDoctorCommand();
 
 }  // namespace gauntlet::sim

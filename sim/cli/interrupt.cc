@@ -27,6 +27,7 @@ constexpr int kMomentMs = 20;     // between two looks whether files are no long
 constexpr int kMoments = 50;      // then it ends all the same
 
 std::atomic<bool> at_once{false};
+std::atomic<bool> has_time{false};
 std::atomic<bool> told{false};  // or being told: that it was interrupted
 std::atomic<int> moments_left{kMoments};
 std::atomic<const char*> what_is_kept{""};
@@ -58,6 +59,7 @@ void OnSignal(int signal) {
   int none = 0;
   const bool first = stop_signal.compare_exchange_strong(none, signal);
   if ((!first && !told) || at_once) return EndWhenFilesAreWhole(signal);
+  if (has_time) return;
   const int error = errno;
   ComeBackIn(kPatienceMs);
   errno = error;
@@ -82,6 +84,12 @@ void CatchSignals() {
 }
 
 void EndAtSignals() { at_once = true; }
+
+EndsAtSecondSignal::EndsAtSecondSignal() { has_time = true; }
+EndsAtSecondSignal::~EndsAtSecondSignal() {
+  stop_signal = 0;
+  has_time = false;
+}
 
 std::string KeptIn(const std::filesystem::path& file) {
   return "kept in " + file.string() + ": the same command continues from there";

@@ -20,6 +20,17 @@ void CatchSignals();
 /// tidy.
 void EndAtSignals();
 
+/// While it exists, the first signal is a request alone (see StopAsked()), and the second one ends
+/// the program at once: motors are brought to rest first. At its end a request is forgotten, for
+/// what follows is the answer to it.
+class EndsAtSecondSignal {
+ public:
+  EndsAtSecondSignal();
+  ~EndsAtSecondSignal();
+  EndsAtSecondSignal(const EndsAtSecondSignal&) = delete;
+  EndsAtSecondSignal& operator=(const EndsAtSecondSignal&) = delete;
+};
+
 /// "kept in FILE: the same command goes on from there".
 std::string KeptIn(const std::filesystem::path& file);
 

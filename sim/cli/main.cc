@@ -45,7 +45,8 @@ std::vector<sim::Command> Commands() {
       sim::MakeExportCommand(),   sim::MakeDiffCommand(),      sim::MakeInspectCommand(),
       sim::MakeFilterCommand(),   sim::MakeCalibrateCommand(), sim::MakeIdentifyCommand(),
       sim::MakeValidateCommand(), sim::MakeRetargetCommand(),  sim::MakeReproduceCommand(),
-      sim::MakeListCommand(),     sim::MakeReportCommand(),    sim::MakeDoctorCommand()};
+      sim::MakeListCommand(),     sim::MakeReportCommand(),    sim::MakeLiveCommand(),
+      sim::MakeGloveCommand(),    sim::MakeDoctorCommand()};
   for (sim::Command& command : commands) {
     command.options.push_back(sim::Option(
         "--inside", sim::ReadOnlyInside, {.value = "DIR", .offer = sim::Offer::kFolders},

@@ -37,21 +37,6 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Builds everything that the scenario names. What is wrong is said with its place in the scenario,
-/// unless it has a place of its own: a model, a recording.
-Study Prepare(const ScenarioSource& source, Scenario scenario) {
-  try {
-    return PrepareStudy(std::move(scenario));
-  } catch (const controller::SettingError& error) {
-    throw AtPlace(PlaceOfSetting(source, error.key()), error);
-  } catch (const UserError& error) {
-    if (!error.place().empty()) throw;
-    throw UserError({.place = PlaceOfSetting(source, error.key()),
-                     .key = error.key(),
-                     .problem = error.problem()});
-  }
-}
-
 /// Whether the scores of an output folder are those of a comparison.
 bool HoldsComparison(const std::filesystem::path& folder) {
   std::error_code unreadable;
@@ -202,6 +187,19 @@ std::string PriorityOverride(const std::string& priority) {
 
 }  // namespace
 
+Study PrepareStudyOf(const ScenarioSource& source, Scenario scenario) {
+  try {
+    return PrepareStudy(std::move(scenario));
+  } catch (const controller::SettingError& error) {
+    throw AtPlace(PlaceOfSetting(source, error.key()), error);
+  } catch (const UserError& error) {
+    if (!error.place().empty()) throw;
+    throw UserError({.place = PlaceOfSetting(source, error.key()),
+                     .key = error.key(),
+                     .problem = error.problem()});
+  }
+}
+
 const NamedController& FindController(const Scenario& scenario, const std::string& name) {
   const NamedController* found = FindNamed(scenario.controllers, name);
   if (found != nullptr) return *found;
@@ -260,7 +258,7 @@ void RunStudyCommand(const StudyCommand& asked) {
   finished.comparison = options.comparison;
   const std::string out = OutputOf(options, scenario.name);
   SetSignalFolder(out);
-  finished.study = Prepare(source, std::move(scenario));
+  finished.study = PrepareStudyOf(source, std::move(scenario));
   WarnOf(finished.study);
   if (options.video) CheckVideoTarget(VideoOf(out));
   OutputFolder folder(out);

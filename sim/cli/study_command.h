@@ -8,6 +8,8 @@
 #include "sim/cli/terminal_option.h"
 #include "sim/hand/hand_model.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
+#include "sim/study/study.h"
 
 namespace gauntlet::sim {
 
@@ -62,6 +64,10 @@ struct StudyCommand {
 
 /// The controller of `--controller`. Errors: UserError for a name that the scenario does not have.
 const NamedController& FindController(const Scenario& scenario, const std::string& name);
+
+/// Builds everything that the scenario names. Errors: UserError with the place in the scenario,
+/// unless it has a place of its own: a model, a recording.
+Study PrepareStudyOf(const ScenarioSource& source, Scenario scenario);
 
 /// Runs the trials, writes the folder, prints the table, draws the video if asked.
 void RunStudyCommand(const StudyCommand& options);

@@ -38,6 +38,10 @@ class Receiver {
   std::span<const double> values() const noexcept { return shown_; }
   /// Of the frame that is used, or whose slope is extrapolated.
   std::int64_t origin_tick() const noexcept { return used_.origin_tick; }
+  /// Its number; -1 before the first.
+  std::int64_t number() const noexcept { return used_.number; }
+  /// Frames that wait for their time.
+  std::size_t waiting_frames() const noexcept { return waiting_.size(); }
 
   /// Length of the buffer now.
   double buffer_ticks() const noexcept { return buffer_ticks_; }

@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "controller/assert.h"
 #include "controller/number.h"
 
 namespace gauntlet::sim {
@@ -88,12 +89,14 @@ void HandLoop::Reset(std::span<const double> joint_angle_rad) {
   sensors_.Reset();
   std::ranges::fill(measured_angle_rad_, controller::kNaN);
   std::ranges::copy(hand_.command(), wanted_counts_.begin());
-  tick_ = sample_tick_ = held_tick_ = 0;
+  taken_counts_ = {};
+  tick_ = first_sample_tick_ = sample_tick_ = held_tick_ = 0;
   has_command_ = false;
   has_power_ = true;
 }
 
-void HandLoop::Step(const controller::GloveSample& sample) noexcept {
+std::span<const std::int32_t> HandLoop::StepController(
+    const controller::GloveSample& sample) noexcept {
   if (glove_link_) {
     std::ranges::fill(sample_counts_, controller::kNaN);
     std::copy_n(sample.counts.begin(), std::min(sample.counts.size(), sample_counts_.size()),
@@ -102,27 +105,45 @@ void HandLoop::Step(const controller::GloveSample& sample) noexcept {
     return StepBehindLink();
   }
   sample_tick_ = tick_;
+  taken_counts_ = sample.counts;
   ReadSensors();
-  Advance(controller_.Step(sample));
+  return FrameToSend(controller_.Step(sample));
 }
 
-void HandLoop::Step() noexcept {
+std::span<const std::int32_t> HandLoop::StepController() noexcept {
   if (glove_link_) return StepBehindLink();
+  taken_counts_ = {};
   ReadSensors();
-  Advance(controller_.Step());
+  return FrameToSend(controller_.Step());
 }
 
-void HandLoop::StepBehindLink() noexcept {
+std::span<const std::int32_t> HandLoop::StepBehindLink() noexcept {
   ReadSensors();
   glove_link_->Receive(tick_);
   auto found = Receiver::Found::kNothing;
-  if (tick_ % hand_.hand_model().timing().controller.ticks_per_sample == 0) {
+  const int ticks_per_sample = hand_.hand_model().timing().controller.ticks_per_sample;
+  if ((tick_ - first_sample_tick_) % ticks_per_sample == 0) {
     found = glove_link_->receiver.Step(tick_);
   }
   glove_link_->watchdog.Watch(found == Receiver::Found::kNew);
-  if (found == Receiver::Found::kNothing) return Advance(controller_.Step());
+  taken_counts_ = {};
+  if (found == Receiver::Found::kNothing) return FrameToSend(controller_.Step());
+  taken_counts_ = glove_link_->receiver.values();
   sample_tick_ = glove_link_->receiver.origin_tick();
-  Advance(controller_.Step({.counts = glove_link_->receiver.values()}));
+  return FrameToSend(controller_.Step({.counts = glove_link_->receiver.values()}));
+}
+
+void HandLoop::TakeGloveFrame(const LinkFrame& frame) noexcept {
+  GAUNTLET_ASSERT(glove_link_);
+  glove_link_->receiver.Take(tick_, frame);
+}
+
+void HandLoop::Skip(std::int64_t ticks) noexcept {
+  for (std::int64_t tick = 0; tick < ticks; ++tick) {
+    if (glove_link_) glove_link_->watchdog.Watch(false);
+    hand_link_.watchdog.Watch(false);
+  }
+  tick_ += ticks;
 }
 
 void HandLoop::ReadSensors() noexcept {
@@ -134,21 +155,23 @@ void HandLoop::ReadSensors() noexcept {
   controller_.TakeJointAngles(reading_rad);
 }
 
-void HandLoop::Advance(const controller::Command& command) noexcept {
-  if (command.event) SendCommand(command.motor_counts);
+/// What the computer's watchdog has to send in place of a frame that is due, or nothing.
+std::span<const std::int32_t> HandLoop::FrameToSend(const controller::Command& command) noexcept {
+  if (!command.event) return {};
+  if (!glove_link_ || !glove_link_->watchdog.exists()) return command.motor_counts;
+  const auto frame = glove_link_->watchdog.Command(command.motor_counts);
+  if (glove_link_->watchdog.tier() == Watchdog::Tier::kOff) return {};
+  return frame;
+}
+
+void HandLoop::StepHand(std::span<const std::int32_t> sent_counts) noexcept {
+  if (!sent_counts.empty()) {
+    std::ranges::copy(sent_counts, sent_counts_.begin());
+    hand_link_.way.Send(tick_, sample_tick_, sent_counts_);
+  }
   ReceiveCommand();
   hand_.Step();
   ++tick_;
-}
-
-/// Unless the computer's watchdog has something else to send, or nothing.
-void HandLoop::SendCommand(std::span<const std::int32_t> motor_counts) noexcept {
-  if (glove_link_ && glove_link_->watchdog.exists()) {
-    motor_counts = glove_link_->watchdog.Command(motor_counts);
-    if (glove_link_->watchdog.tier() == Watchdog::Tier::kOff) return;
-  }
-  std::ranges::copy(motor_counts, sent_counts_.begin());
-  hand_link_.way.Send(tick_, sample_tick_, sent_counts_);
 }
 
 void HandLoop::ReceiveCommand() noexcept {

@@ -43,8 +43,24 @@ class HandLoop {
 
   /// One tick, with a new sample of the glove or without one. Neither throws nor allocates. Once
   /// the hand's health is bad nothing happens any more.
-  void Step(const controller::GloveSample& sample) noexcept;
-  void Step() noexcept;
+  void Step(const controller::GloveSample& sample) noexcept { StepHand(StepController(sample)); }
+  void Step() noexcept { StepHand(StepController()); }
+
+  /// The two halves of Step(). The first returns the command frame that is to be sent at this tick,
+  /// empty if there is none; the second gets what was sent, and moves the hand.
+  std::span<const std::int32_t> StepController(const controller::GloveSample& sample) noexcept;
+  std::span<const std::int32_t> StepController() noexcept;
+  void StepHand(std::span<const std::int32_t> sent_counts) noexcept;
+
+  /// With a link from the glove whose frames arrive from outside: one of them, before the Step()
+  /// without a sample of the same tick. Its way is not simulated.
+  void TakeGloveFrame(const LinkFrame& frame) noexcept;
+  /// From now on the receiver is asked so many ticks later (or earlier) than the sampling period
+  /// says: the grid of samples follows a real glove, whose clock drifts. Less than a period.
+  void ShiftSamples(int ticks) noexcept { first_sample_tick_ += ticks; }
+  /// Ticks in which nothing was done: a real loop was late. Controller and hand stand still
+  /// meanwhile, while frames grow older and the watchdogs count.
+  void Skip(std::int64_t ticks) noexcept;
 
   const controller::Controller& controller() const noexcept { return controller_; }
   const Hand& hand() const noexcept { return hand_; }
@@ -55,6 +71,15 @@ class HandLoop {
   /// Time since the capture of the glove sample behind the command that the servos hold, after the
   /// last Step() [s]; before the first command since Reset().
   double sample_age_s() const noexcept;
+  /// Tick of the next Step(); capture of the sample that the controller has.
+  std::int64_t tick() const noexcept { return tick_; }
+  std::int64_t sample_tick() const noexcept { return sample_tick_; }
+  /// Counts of the sample that the controller got at the last tick; empty: none.
+  std::span<const double> taken_counts() const noexcept { return taken_counts_; }
+  /// The receiver of a link from the glove, or nullptr.
+  const Receiver* glove_receiver() const noexcept {
+    return glove_link_ ? &glove_link_->receiver : nullptr;
+  }
   /// The higher tier of the two watchdogs.
   Watchdog::Tier watchdog_tier() const noexcept;
 
@@ -71,12 +96,11 @@ class HandLoop {
   };
 
   static Link LinkToHand(const LoopLinks& links, const HandModel& hand);
-  void StepBehindLink() noexcept;
-  void SendCommand(std::span<const std::int32_t> motor_counts) noexcept;
+  std::span<const std::int32_t> StepBehindLink() noexcept;
+  std::span<const std::int32_t> FrameToSend(const controller::Command& command) noexcept;
   void ReceiveCommand() noexcept;
   void ObeyWatchdog() noexcept;
   void ReadSensors() noexcept;
-  void Advance(const controller::Command& command) noexcept;
 
   controller::Controller controller_;
   std::optional<Link> glove_link_;
@@ -89,7 +113,9 @@ class HandLoop {
   std::vector<double> sent_counts_;          // per motor
   std::vector<std::int32_t> wanted_counts_;  // per motor, of the last frame that was received
   std::vector<double> spool_counts_;         // per motor, where it is
+  std::span<const double> taken_counts_;
   std::int64_t tick_ = 0;
+  std::int64_t first_sample_tick_ = 0;
   std::int64_t sample_tick_ = 0;  // capture of the sample that the controller has
   std::int64_t held_tick_ = 0;    // of the one behind the command that the servos hold
   bool has_command_ = false;

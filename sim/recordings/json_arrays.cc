@@ -81,13 +81,15 @@ class RowCollector {
     AddTo("", row, 0);
     ++rows_;
   }
-  std::vector<NamedArray> Take(const std::string& path) {
+  enum class Missing { kDropColumn, kKeepColumn };  // of a column without a number
+  std::vector<NamedArray> Take(const std::string& path, Missing missing = Missing::kDropColumn) {
     std::vector<NamedArray> arrays;
     for (const std::string& name : order_) {
       std::vector<double>& values = columns_[name];
       values.resize(rows_, kMissing);
       const auto is_missing = [](double value) { return std::isnan(value); };
-      if (std::ranges::all_of(values, is_missing)) continue;
+      const bool is_kept = missing == Missing::kKeepColumn;
+      if (!is_kept && std::ranges::all_of(values, is_missing)) continue;
       arrays.push_back({.name = Join(path, name.empty() ? "value" : name),
                         .rows = rows_,
                         .values = std::move(values)});
@@ -169,6 +171,14 @@ std::vector<NamedArray> ReadJsonArrays(std::string_view text) {
     rows.AddRow(row);
   }
   return rows.Take("");
+}
+
+std::vector<NamedArray> ReadJsonRow(std::string_view text) {
+  const Json value = Json::parse(text, nullptr, false);
+  if (value.is_discarded()) throw UserError("is no JSON");
+  RowCollector row;
+  row.AddRow(value);
+  return row.Take("", RowCollector::Missing::kKeepColumn);
 }
 
 DatasetInfo ReadDatasetInfo(std::string_view text) {

@@ -23,6 +23,10 @@ namespace gauntlet::sim {
 /// without a place.
 std::vector<NamedArray> ReadJsonArrays(std::string_view text);
 
+/// The numbers in one JSON value, each as an array of one row. Names as above; null is kMissing.
+/// Errors: UserError without a place.
+std::vector<NamedArray> ReadJsonRow(std::string_view text);
+
 /// What LeRobot's info.json says of a data set.
 struct DatasetInfo {
   ListNames names;       // of the numbers of each feature

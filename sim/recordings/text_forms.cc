@@ -23,16 +23,6 @@ namespace gauntlet::sim {
 namespace {
 
 using Cells = std::vector<std::string>;
-/// The cells of a line in the plain table; none if it does not fit.
-using Convert = std::function<std::optional<Cells>(std::string_view line)>;
-
-/// A form of text: the names of the plain table, and its rows.
-struct TextForm {
-  Cells names;
-  Convert convert;
-  bool has_header = false;  // the first line of the text contains names
-};
-
 constexpr std::size_t kHeadLines = 40;
 
 bool IsNumber(std::string_view cell) {
@@ -87,6 +77,8 @@ std::optional<std::vector<std::pair<std::string, std::string>>> LabelledCells(
   return cells;
 }
 
+}  // namespace
+
 std::optional<TextForm> LabelledForm(const std::vector<std::string>& head) {
   // The most frequent names: the first line of a serial port may lack its beginning.
   std::map<Cells, std::size_t> fitting;
@@ -115,6 +107,8 @@ std::optional<TextForm> LabelledForm(const std::vector<std::string>& head) {
   };
   return form;
 }
+
+namespace {
 
 // --- Lists in the cells --------------------------------------------------------------------------
 
@@ -240,6 +234,8 @@ std::optional<JointStateRow> JointStateIn(std::string_view line) {
   return row;
 }
 
+}  // namespace
+
 std::optional<TextForm> JointStateForm(const std::vector<std::string>& head) {
   if (head.size() < 2) return std::nullopt;
   const auto first = JointStateIn(head[0]);
@@ -253,6 +249,8 @@ std::optional<TextForm> JointStateForm(const std::vector<std::string>& head) {
   };
   return form;
 }
+
+namespace {
 
 // --- rostopic echo -p ----------------------------------------------------------------------------
 
@@ -329,28 +327,34 @@ std::optional<AlphaPairs> AlphaCells(std::string_view line) {
   return cells;
 }
 
+}  // namespace
+
 std::optional<TextForm> AlphaForm(const std::vector<std::string>& head) {
   static const std::map<char, std::string> kNames = {
       {'A', "thumb"},  {'B', "index"},      {'C', "middle"},     {'D', "ring"},
       {'E', "little"}, {'F', "joystick_x"}, {'G', "joystick_y"}, {'P', "trigger"}};
-  std::optional<std::string> letters;
-  std::size_t fitting = 0;
+  // The most frequent letters: a line of a serial port may lack its end.
+  std::map<std::string, std::size_t> fitting;
   for (const std::string& line : head) {
     const auto cells = AlphaCells(line);
     if (!cells || cells->size() < 2 || !cells->contains('A')) continue;
-    ++fitting;
-    std::string of_line;
-    for (const auto& [letter, value] : *cells) of_line += kNames.contains(letter) ? letter : ' ';
-    std::erase(of_line, ' ');
-    if (!letters) letters = of_line;
+    std::string letters;
+    for (const auto& [letter, value] : *cells) {
+      if (kNames.contains(letter)) letters += letter;
+    }
+    ++fitting[letters];
   }
-  if (fitting < 3 || 2 * fitting < head.size()) return std::nullopt;
+  if (fitting.empty()) return std::nullopt;
+  const auto most =
+      std::ranges::max_element(fitting, {}, [](const auto& form) { return form.second; });
+  if (most->second < 3 || 2 * most->second < head.size()) return std::nullopt;
+  const std::string& letters = most->first;
   TextForm form;
-  for (const char letter : *letters) form.names.push_back(kNames.at(letter));
+  for (const char letter : letters) form.names.push_back(kNames.at(letter));
   form.convert = [letters](std::string_view line) -> std::optional<Cells> {
     const auto cells = AlphaCells(line);
     Cells row;
-    for (const char letter : *letters) {
+    for (const char letter : letters) {
       if (!cells || !cells->contains(letter)) return std::nullopt;
       row.push_back(cells->at(letter));
     }
@@ -358,6 +362,8 @@ std::optional<TextForm> AlphaForm(const std::vector<std::string>& head) {
   };
   return form;
 }
+
+namespace {
 
 // --- A row per channel ---------------------------------------------------------------------------
 

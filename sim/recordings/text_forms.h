@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/recordings/text_lines.h"
@@ -25,6 +28,20 @@ using ListNames = std::map<std::string, std::vector<std::string>>;
 ///
 /// Rows that do not fit become comments. The separator is the comma then.
 TextLines::Source PlainTable(TextLines::Source source, const ListNames& known = {});
+
+/// A form of text in which each line is a row.
+struct TextForm {
+  std::vector<std::string> names;  // of the plain table's columns
+  /// The cells of a line in the plain table; none if it does not fit.
+  std::function<std::optional<std::vector<std::string>>(std::string_view line)> convert;
+  bool has_header = false;  // the first line of the text contains names
+};
+
+/// The form of labels, of the alpha encoding, or of JointState, if at least three of these lines
+/// (of JointState the first two) and half of them have it.
+std::optional<TextForm> LabelledForm(const std::vector<std::string>& head);
+std::optional<TextForm> AlphaForm(const std::vector<std::string>& head);
+std::optional<TextForm> JointStateForm(const std::vector<std::string>& head);
 
 /// A text that comes line by line.
 struct LiveTable {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include "sim/base/csv_line.h"
@@ -28,10 +29,11 @@ std::string OutsideQuotes(std::string_view line) {
 }
 
 /// A number or a missing value.
-bool LooksLikeNumber(std::string_view cell, bool decimal_comma) {
+std::optional<double> PlainNumberIn(std::string_view cell, bool decimal_comma) {
+  if (!decimal_comma) return NumberOrMissing(cell);
   std::string text(Unquoted(cell));
-  if (decimal_comma) std::ranges::replace(text, ',', '.');
-  return NumberOrMissing(text).has_value();
+  std::ranges::replace(text, ',', '.');
+  return NumberOrMissing(text);
 }
 
 /// False if a cell begins with a double quote and does not end with one.
@@ -149,13 +151,16 @@ char SeparatorOf(std::string_view text) {
   if (!has_blank) return ',';
   const std::vector<std::string_view> cells = SplitCells(line, ' ');
   const auto is_decimal = [](std::string_view cell) {
-    return !cell.starts_with(',') && !cell.ends_with(',') && LooksLikeNumber(cell, true);
+    return !cell.starts_with(',') && !cell.ends_with(',') && PlainNumberIn(cell, true);
   };
   return std::ranges::all_of(cells, is_decimal) ? ' ' : ',';
 }
 
-bool IsValue(std::string_view cell, char separator) {
-  return LooksLikeNumber(cell, separator != ',') || SecondsOfText(cell).has_value();
+std::optional<double> ValueIn(std::string_view cell, char separator) {
+  const std::optional<double> number = PlainNumberIn(cell, separator != ',');
+  return number ? number : SecondsOfText(cell);
 }
+
+bool IsValue(std::string_view cell, char separator) { return ValueIn(cell, separator).has_value(); }
 
 }  // namespace gauntlet::sim

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -61,8 +62,10 @@ class TextLines {
 /// count.
 char SeparatorOf(std::string_view text);
 
-/// True for all that may stand where a number is expected: numbers, times (see SecondsOfText) and
-/// missing values.
+/// The value of a cell: a number, with a decimal comma if the separator is another character; the
+/// seconds of a date or clock (see SecondsOfText); NaN for a missing value. None for other texts.
+std::optional<double> ValueIn(std::string_view cell, char separator);
+/// True if ValueIn() has one.
 bool IsValue(std::string_view cell, char separator);
 
 }  // namespace gauntlet::sim

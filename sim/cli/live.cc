@@ -1,0 +1,276 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/base/manifest.h"
+#include "sim/base/output_file.h"
+#include "sim/base/signal_storage.h"
+#include "sim/cli/commands.h"
+#include "sim/cli/interrupt.h"
+#include "sim/cli/live_files.h"
+#include "sim/cli/output_folder.h"
+#include "sim/cli/shared_options.h"
+#include "sim/cli/standard_streams.h"
+#include "sim/cli/study_command.h"
+#include "sim/cli/terminal_option.h"
+#include "sim/live/live_report.h"
+#include "sim/live/live_session.h"
+#include "sim/scenario/scenario_reader.h"
+#include "sim/settings/yaml_reader.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr std::string_view kSimulated = "simulated";
+
+struct LiveCommand {
+  static constexpr auto kName = "live";
+  static constexpr auto kPurpose = "Run a controller between a real glove and real motors";
+  std::string scenario_file;
+  std::string controller;
+  std::string glove{kSimulated};
+  std::string motors{kSimulated};
+  std::string map;
+  double seconds = 0.0;
+  std::vector<std::string> shadows;
+  std::string record;
+  std::string out;
+  std::vector<std::string> overrides;
+  bool json = false;
+  TerminalOptions terminal;
+
+  Options Rows() {
+    return {
+        ScenarioArgument(scenario_file),
+        Option("--controller", &controller,
+               {.value = "NAME", .offer = Offer::kControllers, .required = true},
+               "which controller of the scenario"),
+        Option("--glove", &glove, {.value = "SOURCE", .shows_default = true},
+               "simulated (the scenario's glove), stdin, file:PATH, udp:HOST:PORT, osc:PORT or "
+               "serial:DEVICE"),
+        Option("--motors", &motors, {.value = "SINK", .shows_default = true},
+               "simulated (the hand alone), stdout, none, udp:HOST:PORT, osc:HOST:PORT or "
+               "serial:DEVICE"),
+        Option("--map", &map, {.value = "MAP.csv", .offer = Offer::kFiles},
+               "column map of the glove's frames, or the name of a preset"),
+        Option("--seconds", &seconds, {.range = {0.1, 36000.0}},
+               "length of the session [until the source ends, or Ctrl-C]"),
+        Option("--shadow", &shadows,
+               {.value = "NAME,..", .offer = Offer::kControllers, .separator = ','},
+               "further controllers that get the same samples and drive nothing"),
+        Option("--record", &record, {.value = "FILE.csv", .offer = Offer::kFiles},
+               "file for the glove's samples, as a recording that every command takes "
+               "[recording.csv in the output folder]"),
+        OutOption(out, "output folder [out/<scenario>_live]"),
+        SetOption(overrides, "change a value of the scenario; may be repeated"),
+        Option("--json", &json, {}, "print live.json instead of the report"),
+        terminal.Rows(),
+    };
+  }
+
+  static constexpr auto kNotes = R"(
+The loop is that of gauntlet run, in real time: link.glove says what its receiver and its
+watchdog do with frames that come late, repeated, in another order or not at all. Where the
+scenario sets no link.glove, the newest frame counts, and the watchdog holds after 50 ms,
+relaxes after 200 ms and stops sending after 1 s.
+
+Values of a frame are channels by their names (index_mcp_deg, index_mcp_counts), by --map, or
+in their order where there are as many as channels. Real motors start, end and return from a
+gap at a limited speed. Ctrl-C brings them to rest and ends the session; a second one ends it
+at once.
+
+Example:
+  gauntlet live door_opening --controller tuned_kalman --seconds 5
+
+  gauntlet live door_opening --controller raw --glove udp:127.0.0.1:9000 \
+    --motors udp:127.0.0.1:9001 --shadow tuned_kalman,one_euro
+)";
+};
+
+/// The device of an option, or nothing for `simulated`.
+std::optional<DeviceAddress> AddressOf(const std::string& option, const std::string& text,
+                                       DeviceRole role) {
+  if (text == kSimulated) return std::nullopt;
+  try {
+    return ParseDeviceAddress(text, role);
+  } catch (const UserError& error) {
+    throw UserError({.place = option + " " + error.place(), .problem = error.problem()});
+  }
+}
+
+/// Only the controllers that take part, the first of them drives.
+std::vector<std::string> ControllersOf(const LiveCommand& command, const Scenario& scenario) {
+  std::vector<std::string> names = {FindController(scenario, command.controller).name};
+  for (const std::string& shadow : command.shadows) {
+    if (shadow == command.controller) {
+      throw UserError({.place = "--shadow " + shadow, .problem = "drives the motors already"});
+    }
+    names.push_back(shadow);
+  }
+  return names;
+}
+
+/// Where a real glove's way is, the scenario's is not simulated; a watchdog is always there.
+void UseRealLink(LinksConfig& links) {
+  if (!links.glove) {
+    links.glove.emplace();
+    links.glove->watchdog.settings = TieredWatchdog{};
+  }
+  links.glove->transport = {};
+}
+
+void CheckMotors(const LiveCommand& command, const Scenario& scenario) {
+  if (scenario.hand.joint_sensors.kind == JointSensorsKind::kNone) return;
+  throw UserError({.place = "--motors " + command.motors,
+                   .key = "hand.joint_sensors",
+                   .problem = "must be none: the joint angles of real motors are not measured"});
+}
+
+void SayHow(const LiveSetup& setup, const LinksConfig& wanted) {
+  if (!setup.simulated_glove && wanted.glove) {
+    Say("gauntlet: the glove's link is real: of link.glove only receiver and watchdog are used\n");
+  }
+  if (setup.sink != nullptr) {
+    Say("gauntlet: motors start from their rest positions at a limited speed; Ctrl-C brings them "
+        "back there\n");
+  }
+}
+
+LiveContext ContextOf(const LiveCommand& command, const Study& study, const LiveSetup& setup) {
+  LiveContext context{
+      .scenario = study.scenario.name,
+      .controller = command.controller,
+      .glove = setup.source == nullptr ? std::string(kSimulated) : setup.source->Description(),
+      .motors = setup.sink == nullptr ? std::string(kSimulated) : setup.sink->Description(),
+      .has_real_glove = setup.source != nullptr,
+      .has_motors = setup.sink != nullptr,
+      .timing = study.hand->timing().controller,
+      .event_delay_ms = study.scenario.event.delay_ms,
+      .receiver = {}};
+  if (setup.trial.links.config.glove) {
+    context.receiver = controller::KindName(setup.trial.links.config.glove->receiver.settings);
+  }
+  return context;
+}
+
+/// How a session that ended otherwise than asked ends the program.
+void ThrowIfFailed(const LiveFacts& facts, const HandHealth& health) {
+  if (facts.end == LiveEnd::kSinkGone) {
+    throw RunError("the reader of the motor commands is gone");
+  }
+  if (facts.end == LiveEnd::kHandStopped) {
+    throw RunError("the simulated hand stopped: " + health.problem);
+  }
+}
+
+void RunLiveCommand(const LiveCommand& command) {
+  const ScenarioSource source{.file = command.scenario_file,
+                              .text = ReadYamlText(command.scenario_file),
+                              .overrides = command.overrides};
+  Scenario scenario = ParseScenario(source);
+  KeepControllers(ControllersOf(command, scenario), scenario);
+  const auto glove_address = AddressOf("--glove", command.glove, DeviceRole::kSource);
+  const auto motors_address = AddressOf("--motors", command.motors, DeviceRole::kSink);
+  if (!command.map.empty() && !glove_address) {
+    throw UserError({.place = "--map " + command.map,
+                     .problem = "needs a real glove: --glove udp:HOST:PORT or another"});
+  }
+  const bool drives_motors = motors_address && motors_address->kind != DeviceKind::kNone;
+  if (drives_motors) CheckMotors(command, scenario);
+  const std::string out = command.out.empty() ? "out/" + scenario.name + "_live" : command.out;
+  SetSignalFolder(out);
+  const Study study = PrepareStudyOf(source, std::move(scenario));
+  LiveSetup setup{.trial = SetupOf(study, study.scenario.controllers.front(), study.scenario.seed)};
+  const LinksConfig wanted = setup.trial.links.config;
+  for (std::size_t i = 1; i < study.scenario.controllers.size(); ++i) {
+    const NamedController& shadow = study.scenario.controllers[i];
+    setup.shadows.push_back({shadow.name, SetupOf(study, shadow, study.scenario.seed).controller});
+  }
+  std::unique_ptr<FrameSource> glove;
+  std::unique_ptr<FrameSink> motors;
+  if (glove_address) {
+    glove = OpenFrameSource(*glove_address);
+    setup.source = glove.get();
+    setup.names_may_follow = glove_address->kind == DeviceKind::kUdp;
+    UseRealLink(setup.trial.links.config);
+  } else {
+    setup.simulated_glove = study.gloves.front();
+  }
+  if (drives_motors) {
+    motors = OpenFrameSink(*motors_address, study.hand->transmission().motor_names);
+    setup.sink = motors.get();
+    setup.sink_comes_back = motors_address->kind != DeviceKind::kStdout;
+  }
+  setup.channels = {.glove = study.calibration,
+                    .source = "--glove " + command.glove,
+                    .map = command.map,
+                    .drives_motors = drives_motors};
+  setup.seconds = command.seconds;
+  const double motion_s = static_cast<double>(study.gloves.front()->true_angle_rad.rows()) /
+                          study.hand->timing().tick_rate_hz();
+  setup.trace_s = TraceLength_s(command.seconds, glove_address ? 0.0 : motion_s);
+  setup.say = [](const std::string& line) { Say("gauntlet: {}\n", line); };
+  OutputFolder folder(out);
+  OutputFiles files({.folder = folder.path(),
+                     .command = "live",
+                     .results = {"live.json", "report.html", "scores.json", "scores.csv",
+                                 "trace.h5", "scenario.resolved.yaml"}});
+  SayHow(setup, wanted);
+  LiveResult result;
+  {
+    const EndsAtSecondSignal gently;
+    result = RunLive(setup);
+  }
+  if (!result.columns_remark.empty()) Say("gauntlet: {}\n", result.columns_remark);
+  const LiveContext context = ContextOf(command, study, setup);
+  const std::filesystem::path recording = command.record.empty()
+                                              ? folder.path() / "recording.csv"
+                                              : std::filesystem::path(command.record);
+  const LiveRecord record{.setup = &setup, .study = &study, .source = &source};
+  const bool has_recording = glove_address || !command.record.empty();
+  if (has_recording) WriteRecording(record, result, recording);
+  LiveOutcome outcome = ScoreSession(record, recording, folder.path(), result);
+  if (!outcome.remark.empty()) Say("gauntlet: {}\n", outcome.remark);
+  const std::string json = LiveJson(result.facts, context, outcome.shadows).dump(1) + "\n";
+  files.Write([&](const std::filesystem::path& place) {
+    WriteOutputFile(place / "live.json", json);
+    if (outcome.finished) WriteSession(place, *outcome.finished);
+  });
+  files.Commit();
+  folder.Keep();
+  ResultText text = LiveText(result.facts, context);
+  if (!outcome.shadows.empty()) {
+    for (auto& part : ShadowText(outcome.shadows, outcome.finished->result.reference_name)) {
+      text.push_back(std::move(part));
+    }
+  }
+  // Standard output may be that of the motors.
+  const std::string report = command.json ? json : TextOf(text, StyleOf(command.terminal));
+  if (motors_address && motors_address->kind == DeviceKind::kStdout) {
+    SayText(report);
+  } else {
+    PrintText(report);
+    FlushOutput();
+  }
+  Say("wrote {}: live.json{}{}\n", folder.path().string(),
+      outcome.finished ? ", report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml"
+                       : "",
+      has_recording ? "; " + recording.string() : "");
+  ThrowIfFailed(result.facts, result.trace.health);
+}
+
+}  // namespace
+
+Command MakeLiveCommand() { return MakeCommand(RunLiveCommand); }
+
+}  // namespace gauntlet::sim

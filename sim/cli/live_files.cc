@@ -1,0 +1,222 @@
+#include "sim/cli/live_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <utility>
+
+#include "sim/base/error.h"
+#include "sim/base/output_file.h"
+#include "sim/comparison/study_files.h"
+#include "sim/report/report_page.h"
+#include "sim/score/metrics.h"
+#include "sim/study/trial_score.h"
+#include "sim/trial/joint_angles.h"
+#include "sim/trial/trace_signals.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using Index = Eigen::Index;
+
+/// The rows of a recording of the session: those of a real glove, or the first samples of the
+/// simulated one.
+struct RecordedRows {
+  std::vector<double> time_s;
+  std::vector<double> counts;  // row by row
+};
+
+RecordedRows RowsOf(const LiveRecord& record, const LiveResult& result) {
+  if (record.setup->source != nullptr) return {result.recorded_time_s, result.recorded_counts};
+  const GloveSignal& glove = *record.setup->simulated_glove;
+  const Index ticks =
+      std::min(glove.true_angle_rad.rows(), Index{result.facts.ticks + result.facts.skipped_ticks});
+  RecordedRows rows;
+  for (Index row = 0; row * glove.ticks_per_sample < ticks; ++row) {
+    rows.time_s.push_back(static_cast<double>(row) / glove.rate_hz);
+    for (Index c = 0; c < glove.counts.cols(); ++c) rows.counts.push_back(glove.counts(row, c));
+  }
+  return rows;
+}
+
+/// Keeps the first ticks.
+void CutGlove(Index ticks, GloveSignal& glove) {
+  glove.true_angle_rad.KeepRows(ticks);
+  glove.counts.KeepRows((ticks + glove.ticks_per_sample - 1) / glove.ticks_per_sample);
+  if (glove.tremor_rad.rows() > 0) glove.tremor_rad.KeepRows(ticks);
+  const auto cut = [](auto& parts, Index end) {
+    std::erase_if(parts, [&](const auto& part) { return part.begin >= end; });
+    for (auto& part : parts) part.end = std::min(part.end, static_cast<int>(end));
+  };
+  cut(glove.segments, ticks);
+  cut(glove.masked, ticks);
+  cut(glove.faults, glove.counts.rows());
+}
+
+void CutTrace(Index ticks, Trace& trace) {
+  ForEachSignal(trace, [&](const auto&, auto& matrix) {
+    if (matrix.cols() > 0) matrix.KeepRows(ticks);
+  });
+}
+
+/// The scenario of a session with a real glove: its recording, without the simulated glove's noise
+/// and faults, and without the way of the frames, which is in the recording.
+Scenario ScenarioOfSession(const Scenario& scenario, const std::filesystem::path& recording,
+                           double duration_s) {
+  Scenario session = scenario;
+  session.repetitions = {};
+  session.made_with = {};
+  session.name += "_live";
+  RecordedMotionConfig motion;
+  motion.file = recording.string();
+  motion.use = RecordingUse::kMeasured;
+  motion.problems = ProblemHandling::kRepair;
+  motion.repair_budget_percent = 100.0;
+  motion.duration_s = duration_s;
+  session.glove.motion = {.settings = motion};
+  session.glove.tremor = {};
+  session.glove = WithoutNoise(session.glove);
+  if (session.link && session.link->glove) session.link->glove->transport = {};
+  session.controllers.resize(1);
+  session.baseline.clear();
+  return session;
+}
+
+FinishedStudy FinishedOf(Study study, std::shared_ptr<const GloveSignal> glove, Trace trace) {
+  FinishedStudy finished{.study = std::move(study), .result = {}, .summary = {}};
+  finished.study.gloves = {glove};
+  const Signal reference_rad = ReferenceAngles(finished.study.joint_map(), glove->true_angle_rad);
+  TrialOutcome outcome{
+      .scores = ScoreTrial(finished.study, finished.study.scenario.controllers.front().config,
+                           *glove, reference_rad, trace, std::nullopt),
+      .health = trace.health,
+      .untrusted_samples = trace.untrusted_samples};
+  StudyResult& result = finished.result;
+  const double length_s = static_cast<double>(glove->true_angle_rad.rows()) / glove->tick_rate_hz;
+  result.controller_names = {trace.controller_name};
+  result.row_names = finished.study.rows.names;
+  result.reference_name = glove->reference_name;
+  result.seeds = {{.seed = finished.study.scenario.seed, .controllers = {std::move(outcome)}}};
+  result.shortest_s = result.longest_s = length_s;
+  result.first_glove = std::move(glove);
+  result.first_reference_rad = reference_rad;
+  result.first_traces.push_back(std::move(trace));
+  result.first_twins.resize(1);
+  result.first_without.resize(1);
+  finished.summary = Summarise(finished.study, finished.result);
+  return finished;
+}
+
+ShadowScore ScoreOf(const FinishedStudy& finished, const std::string& name,
+                    const Signal& target_rad, const DurationHistogram& step) {
+  Trace asked;
+  asked.controller_name = name;
+  asked.hand_angle_rad = target_rad;
+  const Scores scores = ScoreTrial(
+      finished.study, finished.study.scenario.controllers.front().config,
+      *finished.result.first_glove, finished.result.first_reference_rad, asked, std::nullopt);
+  const auto of = [&](std::string_view key) { return scores.summary[MetricIndex(key)]; };
+  return {.name = name,
+          .jitter_rms_deg = of("jitter_rms_deg"),
+          .delay_ms = of("delay_ms"),
+          .tracking_rmse_deg = of("tracking_rmse_deg"),
+          .step_p99_us = step.Quantile_us(0.99)};
+}
+
+}  // namespace
+
+double TraceLength_s(double seconds, double motion_s) {
+  constexpr double kUnknown_s = 120.0;
+  constexpr double kMost_s = 600.0;
+  double length_s = seconds > 0.0 ? seconds : kUnknown_s;
+  if (motion_s > 0.0) length_s = seconds > 0.0 ? std::min(seconds, motion_s) : motion_s;
+  return std::min(length_s, kMost_s);
+}
+
+void WriteRecording(const LiveRecord& record, const LiveResult& result,
+                    const std::filesystem::path& file) {
+  const controller::GloveCalibration& glove = record.study->calibration;
+  const RecordedRows rows = RowsOf(record, result);
+  std::string text = "time_s";
+  for (const std::string& name : glove.channel_names) text += "," + name + "_deg";
+  text += "\n";
+  const std::size_t width = glove.channel_names.size();
+  for (std::size_t row = 0; row < rows.time_s.size(); ++row) {
+    fmt::format_to(std::back_inserter(text), "{:.6f}", rows.time_s[row]);
+    for (std::size_t c = 0; c < width; ++c) {
+      const double counts = rows.counts[row * width + c];
+      text.push_back(',');
+      if (std::isnan(counts)) continue;
+      const double angle_rad =
+          glove.low_angle_rad[c] + (counts - glove.low_counts[c]) *
+                                       (glove.high_angle_rad[c] - glove.low_angle_rad[c]) /
+                                       (glove.high_counts[c] - glove.low_counts[c]);
+      fmt::format_to(std::back_inserter(text), "{:.6g}", angle_rad * kDegPerRad);
+    }
+    text.push_back('\n');
+  }
+  WriteOutputFile(file, text);
+}
+
+LiveOutcome ScoreSession(const LiveRecord& record, const std::filesystem::path& recording,
+                         const std::filesystem::path& folder, LiveResult& result) {
+  LiveOutcome outcome;
+  Trace trace = std::move(result.trace);
+  const Index rows = trace.hand_angle_rad.rows();
+  const double rate_hz = record.study->hand->timing().tick_rate_hz();
+  Study study = *record.study;
+  auto glove = std::make_shared<GloveSignal>();
+  try {
+    if (record.setup->source != nullptr) {
+      if (result.recorded_time_s.size() < 2) throw UserError("has fewer than two samples");
+      const double length_s =
+          std::min(static_cast<double>(rows) / rate_hz, result.recorded_time_s.back());
+      study = PrepareStudy(ScenarioOfSession(
+          study.scenario, recording,
+          std::floor(length_s * study.scenario.glove.rate_hz) / study.scenario.glove.rate_hz));
+    } else {
+      study.scenario.controllers.resize(1);
+    }
+    *glove = *study.gloves.front();
+    const Index ticks = std::min(rows, glove->true_angle_rad.rows());
+    CutGlove(ticks, *glove);
+    CutTrace(ticks, trace);
+    study.scenario.score.Check(rate_hz, ticks);
+    outcome.finished = FinishedOf(std::move(study), std::move(glove), std::move(trace));
+  } catch (const UserError& error) {
+    outcome.remark = fmt::format("no scores and no trace: {}", error.what());
+    return outcome;
+  } catch (const controller::SettingError& error) {
+    outcome.remark = fmt::format("no scores and no trace: {}", error.what());
+    return outcome;
+  }
+  outcome.finished->folder = folder;
+  if (result.trace_rows_left_out > 0) {
+    outcome.remark =
+        fmt::format("the trace lacks {} ticks: the disk was too slow", result.trace_rows_left_out);
+  }
+  if (result.shadows.empty()) return outcome;
+  const Trace& driven = outcome.finished->result.first_traces.front();
+  outcome.shadows.push_back(ScoreOf(*outcome.finished, record.setup->trial.controller_name,
+                                    driven.target_angle_rad, result.facts.step_cpu));
+  outcome.shadows.front().drives = true;
+  const Index ticks = driven.target_angle_rad.rows();
+  for (std::size_t i = 0; i < result.shadows.size(); ++i) {
+    Signal& target_rad = result.shadows[i].target_angle_rad;
+    if (target_rad.rows() < ticks) continue;  // the log was too slow
+    target_rad.KeepRows(ticks);
+    outcome.shadows.push_back(ScoreOf(*outcome.finished, record.setup->shadows[i].name, target_rad,
+                                      result.shadows[i].step));
+  }
+  return outcome;
+}
+
+void WriteSession(const std::filesystem::path& folder, const FinishedStudy& finished) {
+  WriteStudyFiles(folder, finished);
+  WriteOutputFile(folder / "report.html", ReportPage(finished, VideoBeside{}));
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/comparison/summary.h"
+#include "sim/live/live_report.h"
+#include "sim/live/live_session.h"
+#include "sim/scenario/scenario_reader.h"
+
+namespace gauntlet::sim {
+
+/// A session that was run, and what it was made from.
+struct LiveRecord {
+  const LiveSetup* setup = nullptr;
+  const Study* study = nullptr;
+  const ScenarioSource* source = nullptr;
+};
+
+/// What a session gives besides its measurements.
+struct LiveOutcome {
+  std::optional<FinishedStudy> finished;  // as of `gauntlet run`; nothing of a session too short
+  std::vector<ShadowScore> shadows;       // the controller that drove first; empty without shadows
+  std::string remark;                     // why there is no study, or what its trace lacks
+};
+
+/// How much of a session its trace has: `seconds`, or the whole of a simulated motion, or the first
+/// two minutes; at most ten minutes.
+double TraceLength_s(double seconds, double motion_s);
+
+/// The samples of the glove as joint angles over time, by its calibration: `time_s`, then
+/// `NAME_deg` per channel. Every command takes such a file without a map. Errors: RunError,
+/// UserError as of WriteOutputFile().
+void WriteRecording(const LiveRecord& record, const LiveResult& result,
+                    const std::filesystem::path& file);
+
+/// Scores of the session's trace, as of a run: against the wearer's true angles where the glove was
+/// simulated, else against the smoothed recording, whose scenario it then is. Moves the trace out
+/// of `result`. Errors: UserError for a recording that cannot be read back.
+LiveOutcome ScoreSession(const LiveRecord& record, const std::filesystem::path& recording,
+                         const std::filesystem::path& folder, LiveResult& result);
+
+/// Writes the files that `gauntlet report` and `render` open.
+void WriteSession(const std::filesystem::path& folder, const FinishedStudy& finished);
+
+}  // namespace gauntlet::sim

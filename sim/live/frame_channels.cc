@@ -1,0 +1,156 @@
+#include "sim/live/frame_channels.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sim/base/channels.h"
+#include "sim/base/error.h"
+#include "sim/base/shell_word.h"
+#include "sim/base/text.h"
+#include "sim/recordings/column_map.h"
+#include "sim/recordings/column_scale.h"
+#include "sim/recordings/turn_counter.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// The columns that hold values: not the number of the frame, nor a time.
+std::vector<std::size_t> ValueColumns(const DeviceColumns& columns) {
+  std::vector<std::size_t> values;
+  for (std::size_t column = 0; column < columns.count; ++column) {
+    const bool is_time =
+        std::ranges::find(columns.time, column, &TimeMapping::column) != columns.time.end();
+    if (!is_time && columns.number != column) values.push_back(column);
+  }
+  return values;
+}
+
+/// By names of channels, as of a recording without a map; no channels if a column has another name.
+ColumnMap MapByNames(const DeviceColumns& columns, const std::vector<std::size_t>& values) {
+  if (columns.names.size() != columns.count) return {};
+  std::vector<std::string> names;
+  for (const std::size_t column : values) names.push_back(columns.names[column]);
+  const std::string text = fmt::format("{}\n{}\n", fmt::join(names, ","),
+                                       fmt::join(std::vector<int>(names.size()), ","));
+  ColumnMap map;
+  try {
+    std::vector<std::string> left_out;
+    map = MapByHeader(CsvReader("frames", TextSource(text), ProblemHandling::kStrict),
+                      ProblemHandling::kStrict, left_out);
+  } catch (const UserError&) {
+    return {};  // other names, which say nothing
+  }
+  for (ColumnMapping& mapping : map.channels) mapping.column = values[mapping.column];
+  return map;
+}
+
+/// Whether a column gives counts of the glove's own converter, of which nothing else is known.
+bool AreGloveCounts(const ColumnMapping& mapping, double full_scale_counts) {
+  const bool fits = mapping.bits == 0 || std::ldexp(1.0, mapping.bits) - 1.0 == full_scale_counts;
+  return mapping.unit == RecordedUnit::kCounts && !mapping.points && fits && mapping.scale == 1.0 &&
+         mapping.offset == 0.0 && mapping.weight == 1.0;
+}
+
+}  // namespace
+
+FrameChannels::FrameChannels(FrameChannelsConfig config)
+    : config_(std::move(config)), counts_(config_.glove.channel_names.size()) {}
+
+void FrameChannels::Fail(const std::string& problem) const {
+  throw UserError({.place = config_.source, .problem = problem});
+}
+
+std::span<const double> FrameChannels::Counts(const DeviceColumns& columns,
+                                              std::span<const double> values) {
+  if (columns.version != version_) Configure(columns);
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    double counts = channels_[c].offset_counts;
+    for (Part& part : channels_[c].parts) {
+      const double value = part.column < values.size() ? values[part.column] : controller::kNaN;
+      counts += part.factor * Unwrapped(value, part.wraps_at, part.before, part.turned);
+    }
+    counts_[c] = counts;
+  }
+  return counts_;
+}
+
+void FrameChannels::TakeInOrder(const DeviceColumns& columns) {
+  const std::vector<std::string>& names = config_.glove.channel_names;
+  const std::vector<std::size_t> values = ValueColumns(columns);
+  const std::string of_names =
+      columns.names.empty()
+          ? ""
+          : fmt::format(" ({})", Shown(fmt::format("{}", fmt::join(columns.names, ", "))));
+  if (values.size() != names.size()) {
+    Fail(
+        fmt::format("a frame has {} value{}{}, the glove has {} channels; --map FILE.csv names the "
+                    "channel of each column, and --set {} the channels of the glove",
+                    values.size(), values.size() == 1 ? "" : "s", of_names, names.size(),
+                    ShellWord("glove.channels=[..]")));
+  }
+  channels_.assign(names.size(), {});
+  for (std::size_t c = 0; c < names.size(); ++c) channels_[c].parts = {{.column = values[c]}};
+  remark_ = fmt::format(
+      "{} values a frame{} are the counts of {} to {} in this order; --map says "
+      "otherwise",
+      values.size(), of_names, names.front(), names.back());
+}
+
+void FrameChannels::Configure(const DeviceColumns& columns) {
+  version_ = columns.version;
+  const ColumnMap map = config_.map.empty()
+                            ? MapByNames(columns, ValueColumns(columns))
+                            : ReadColumnMap(config_.map, RecordingColumns{.name = config_.source,
+                                                                          .header = columns.names,
+                                                                          .count = columns.count});
+  if (config_.map.empty() && map.channels.empty()) return TakeInOrder(columns);
+  const controller::GloveCalibration& glove = config_.glove;
+  std::vector<ChannelParts> channels(glove.channel_names.size());
+  std::vector<std::string> missing;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const int known = ChannelIndex(glove.channel_names[c]);
+    const double counts_per_rad = (glove.high_counts[c] - glove.low_counts[c]) /
+                                  (glove.high_angle_rad[c] - glove.low_angle_rad[c]);
+    double offset_rad = 0.0;
+    bool are_counts = false;
+    for (const ColumnMapping& mapping : map.channels) {
+      if (mapping.channel != known) continue;
+      are_counts = AreGloveCounts(mapping, glove.full_scale_counts);
+      const ColumnScale scale = are_counts
+                                    ? ColumnScale{.factor = 1.0 / counts_per_rad}
+                                    : ScaleOf(mapping, glove.low_counts[c], glove.high_counts[c]);
+      channels[c].parts.push_back({.column = mapping.column,
+                                   .factor = scale.factor * counts_per_rad,
+                                   .wraps_at = mapping.wraps_at});
+      offset_rad += scale.offset_rad;
+    }
+    if (channels[c].parts.empty()) missing.push_back(glove.channel_names[c]);
+    if (are_counts) continue;
+    channels[c].offset_counts =
+        glove.low_counts[c] + (offset_rad - glove.low_angle_rad[c]) * counts_per_rad;
+  }
+  if (!missing.empty()) {
+    std::vector<std::string> given;
+    for (const std::string& name : glove.channel_names) {
+      if (std::ranges::find(missing, name) == missing.end()) given.push_back(name);
+    }
+    Fail(fmt::format(
+        "no column gives {}; {}", Shown(fmt::format("{}", fmt::join(missing, ", "))),
+        given.empty() ? "--map FILE.csv names the channel of each column"
+                      : "a glove without them: --set " +
+                            ShellWord(fmt::format("glove.channels=[{}]", fmt::join(given, ",")))));
+  }
+  const std::string assumed = AssumptionsOf(map);
+  if (!assumed.empty() && config_.drives_motors) {
+    Fail(fmt::format("the map {} drives motors only once it is confirmed: {}", config_.map,
+                     assumed));
+  }
+  channels_ = std::move(channels);
+  remark_ = assumed;
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "controller/controller_config.h"
+#include "controller/number.h"
+#include "sim/device/frame.h"
+
+namespace gauntlet::sim {
+
+/// What a person says of the columns of a glove's frames.
+struct FrameChannelsConfig {
+  controller::GloveCalibration glove;
+  std::string source;  // of the frames, for messages
+  std::string map;     // column map, or the name of a preset; empty: names or number of columns
+  bool drives_motors = false;  // real ones: a map that assumes something is refused
+};
+
+/// Columns of frames as counts of a glove's channels, by the same maps as recordings:
+///
+///     angle_rad = sum of factor * value + offset_rad     over the columns of a channel
+///     counts    = low_counts + (angle_rad - low_angle_rad) (high_counts - low_counts)
+///                                                        / (high_angle_rad - low_angle_rad)
+///
+/// Without a map, columns that are called like channels (`index_mcp_deg`, `_rad`, `_counts`) are
+/// these; frames without such names that have as many values as the glove has channels are its
+/// counts in their order. Counts without a calibration of their own pass as they are.
+class FrameChannels {
+ public:
+  explicit FrameChannels(FrameChannelsConfig config);
+
+  /// Counts of every channel of a frame with these columns; NaN: no value. Valid until the next
+  /// call. Errors: UserError for columns that do not give every channel, with what to do.
+  std::span<const double> Counts(const DeviceColumns& columns, std::span<const double> values);
+
+  /// What the columns were taken for, in one line for a person; empty before the first frame.
+  const std::string& remark() const { return remark_; }
+
+ private:
+  struct Part {
+    std::size_t column = 0;
+    double factor = 1.0;  // counts per unit of the column
+    double wraps_at = 0.0;
+    double before = controller::kNaN;
+    double turned = 0.0;
+  };
+  struct ChannelParts {
+    std::vector<Part> parts;
+    double offset_counts = 0.0;
+  };
+
+  void Configure(const DeviceColumns& columns);
+  void TakeInOrder(const DeviceColumns& columns);
+  [[noreturn]] void Fail(const std::string& problem) const;
+
+  FrameChannelsConfig config_;
+  int version_ = -1;
+  std::vector<ChannelParts> channels_;
+  std::vector<double> counts_;
+  std::string remark_;
+};
+
+}  // namespace gauntlet::sim

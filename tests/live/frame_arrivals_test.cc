@@ -1,0 +1,88 @@
+#include "sim/live/frame_arrivals.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace gauntlet::sim {
+namespace {
+
+/// Frames 1 ms apart with these numbers, each with values of its own.
+std::vector<std::int64_t> Numbers(FrameArrivals& arrivals, const std::vector<std::int64_t>& numbers,
+                                  std::int64_t first_ms = 0) {
+  std::vector<std::int64_t> given;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::array values = {static_cast<double>(first_ms) + static_cast<double>(i)};
+    const std::int64_t arrival_ms = first_ms + static_cast<std::int64_t>(i);
+    given.push_back(
+        arrivals
+            .Take({.arrival_ns = 1'000'000 * arrival_ms, .number = numbers[i], .values = values})
+            .number);
+  }
+  return given;
+}
+
+TEST(FrameArrivals, CountsLostRepeatedAndReorderedFrames) {
+  FrameArrivals arrivals;
+  EXPECT_EQ(Numbers(arrivals, {7, 8, 11, 11, 10, 12, 15}),
+            (std::vector<std::int64_t>{0, 1, 4, 4, 3, 5, 8}));
+  const ArrivalFacts facts = arrivals.Facts();
+  EXPECT_EQ(facts.frames, 7);
+  EXPECT_EQ(facts.repeated, 1);
+  EXPECT_EQ(facts.out_of_order, 1);
+  EXPECT_EQ(facts.lost, 3);  // 9, 13, 14; 10 came after all
+  EXPECT_EQ(facts.longest_loss, 2);
+  EXPECT_EQ(facts.restarts, 0);
+}
+
+TEST(FrameArrivals, GoesOnBehindTheLastNumberWhenTheSenderStartsAnew) {
+  FrameArrivals arrivals;
+  Numbers(arrivals, {100, 101, 102});
+  const std::vector<std::int64_t> given = Numbers(arrivals, {0, 1, 2, 3, 4, 5, 6}, 200);
+  EXPECT_EQ(given.back(), 5);
+  EXPECT_EQ(arrivals.Facts().restarts, 1);
+}
+
+TEST(FrameArrivals, TakesABurstOfLateFramesForNoRestart) {
+  FrameArrivals arrivals;
+  std::vector<std::int64_t> numbers;
+  for (int i = 0; i < 20; ++i) numbers.push_back(i);
+  for (int i = 40; i < 60; ++i) numbers.push_back(i);
+  for (int i = 20; i < 40; ++i) numbers.push_back(i);
+  numbers.push_back(60);
+  EXPECT_EQ(Numbers(arrivals, numbers).back(), 60);
+  EXPECT_EQ(arrivals.Facts().restarts, 0);
+  EXPECT_EQ(arrivals.Facts().lost, 0);
+  EXPECT_EQ(arrivals.Facts().out_of_order, 20);
+}
+
+TEST(FrameArrivals, SurvivesNumbersThatNoSenderCounts) {
+  FrameArrivals arrivals;
+  Numbers(arrivals, {5, 6, std::numeric_limits<std::int64_t>::max(),
+                     std::numeric_limits<std::int64_t>::min(), 7});
+  const std::vector<std::int64_t> given = Numbers(arrivals, {8, 9, 10, 11, 12, 13, 14}, 100);
+  EXPECT_LT(given.back(), 100);
+  EXPECT_EQ(given.back(), given[given.size() - 2] + 1);
+  EXPECT_LT(arrivals.Facts().lost, 1000);
+}
+
+TEST(FrameArrivals, MeasuresTheDelayAboveTheFastestFrameWithoutACommonClock) {
+  FrameArrivals arrivals;
+  const std::array values = {1.0};
+  for (const std::int64_t delay_ms : {5, 3, 9}) {
+    arrivals.Take({.arrival_ns = 1'000'000 * (1000 + delay_ms),
+                   .sender_time_ns = -77'000'000'000,
+                   .values = values});
+  }
+  const ArrivalFacts facts = arrivals.Facts();
+  EXPECT_NEAR(facts.relative_delay.max_us(), 6000.0, 1.0);
+  EXPECT_EQ(facts.different, 1);
+  EXPECT_FALSE(facts.has_numbers);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim

@@ -1,0 +1,69 @@
+#include "sim/live/frame_channels.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/base/signal.h"
+
+namespace gauntlet::sim {
+namespace {
+
+FrameChannelsConfig TwoChannels() {
+  FrameChannelsConfig config;
+  config.glove = {.channel_names = {"index_mcp", "index_pip"},
+                  .low_counts = {100.0, 200.0},
+                  .high_counts = {900.0, 800.0},
+                  .low_angle_rad = {0.0, 0.0},
+                  .high_angle_rad = {80.0 * kRadPerDeg, 100.0 * kRadPerDeg}};
+  config.source = "--glove test";
+  return config;
+}
+
+std::string ProblemOf(const DeviceColumns& columns, const std::vector<double>& values) {
+  FrameChannels channels(TwoChannels());
+  try {
+    channels.Counts(columns, values);
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FrameChannels, PassesCountsInTheirOrderBesideNumberAndTime) {
+  FrameChannels channels(TwoChannels());
+  const DeviceColumns columns{
+      .names = {}, .count = 4, .number = 0, .time = {{.column = 1}}, .version = 1};
+  const std::array values = {17.0, 0.5, 512.0, kNaN};
+  const auto counts = channels.Counts(columns, values);
+  EXPECT_EQ(counts[0], 512.0);
+  EXPECT_TRUE(std::isnan(counts[1]));
+}
+
+TEST(FrameChannels, TakesChannelsByTheirNamesWhateverTheirOrder) {
+  FrameChannels channels(TwoChannels());
+  const DeviceColumns columns{
+      .names = {"index_pip_counts", "index_mcp_deg"}, .count = 2, .version = 1};
+  const auto counts = channels.Counts(columns, std::array{300.0, 40.0});
+  EXPECT_NEAR(counts[0], 500.0, 1e-9);
+  EXPECT_NEAR(counts[1], 300.0, 1e-9);
+}
+
+TEST(FrameChannels, AsksWhereTheNumberOfValuesIsNotThatOfTheGlove) {
+  const std::string problem = ProblemOf({.names = {}, .count = 3, .version = 1}, {1.0, 2.0, 3.0});
+  EXPECT_NE(problem.find("has 3 values, the glove has 2 channels; --map"), std::string::npos)
+      << problem;
+}
+
+TEST(FrameChannels, NamesTheGloveThatTheColumnsWouldFit) {
+  const std::string problem =
+      ProblemOf({.names = {"index_pip_deg"}, .count = 1, .version = 1}, {1.0});
+  EXPECT_NE(problem.find("glove.channels=[index_pip]"), std::string::npos) << problem;
+}
+
+}  // namespace
+}  // namespace gauntlet::sim

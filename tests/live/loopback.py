@@ -1,0 +1,252 @@
+#!/usr/bin/env python3
+"""`gauntlet live` and `gauntlet glove` as whole commands, on this computer's loopback. Encoder and
+decoder here are their own. Nothing depends on how fast the machine is."""
+import json
+import math
+import pathlib
+import random
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+PROGRAM = pathlib.Path(sys.argv[1]).resolve()
+CHANNELS = ["index_mcp", "middle_mcp"]
+SMALL_GLOVE = ["--set", "glove.rate_hz=100", "--set", "glove.channels=[index_mcp,middle_mcp]"]
+COUNTS_PER_RAD = 4096 / (2 * math.pi)  # the servo of the default hand
+LARGEST_STEP = 20.0 * 0.02 * COUNTS_PER_RAD + 1.0  # motor.speed_limit_rad_s in a command frame
+RESTS_STEP = math.radians(300.0) * 0.02 * COUNTS_PER_RAD + 1.0  # return_deg_s, from rest
+
+
+def check(is_right, what):
+    if not is_right:
+        raise AssertionError(what)
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Motors(threading.Thread):
+    """Keeps the command frames that arrive: number, counts."""
+
+    def __init__(self):
+        super().__init__(daemon=True)
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.bind(("127.0.0.1", 0))
+        self.socket.settimeout(0.1)
+        self.address = f"udp:127.0.0.1:{self.socket.getsockname()[1]}"
+        self.frames = []
+        self.ends = False
+        self.start()
+
+    def run(self):
+        while not self.ends:
+            try:
+                packet = self.socket.recv(65536).decode()
+            except socket.timeout:
+                continue
+            for line in packet.splitlines():
+                cells = line.split(",")
+                if cells[0] != "frame":
+                    self.frames.append((int(cells[0]), [float(cell) for cell in cells[2:]]))
+
+    def end(self):
+        time.sleep(0.3)
+        self.ends = True
+        self.join()
+        self.socket.close()
+        return self.frames
+
+
+def check_commands(frames):
+    check(len(frames) > 20, f"only {len(frames)} command frames")
+    for (number, before), (next_number, after) in zip(frames, frames[1:]):
+        check(next_number > number, "command frames are not in order")
+        for a, b in zip(before, after):
+            check(0 <= b <= 4095 and b == int(b), f"command {b} is no count of the motor")
+            check(abs(b - a) <= LARGEST_STEP * (next_number - number), f"a jump from {a} to {b}")
+    first, last = frames[0][1], frames[-1][1]
+    check(frames[-3][1] == frames[-2][1] == last, "the motors are not at rest in the end")
+    check(all(abs(a - b) <= RESTS_STEP for a, b in zip(first, last)),
+          "the motors do not begin and end at rest")
+
+
+def check_stages(facts):
+    total = facts["total"]["mean_us"]
+    stages = sum(stage["mean_us"] for stage in facts["stages"].values())
+    check(abs(stages / total - 1.0) < 0.01, f"the stages are {stages} us of {total} us")
+    check(all(stage["count"] == facts["total"]["count"] for stage in facts["stages"].values()),
+          "a stage lacks commands")
+
+
+def live(place, *arguments):
+    return subprocess.Popen([PROGRAM, "live", "random_motion", "--controller", "raw", "--out", place,
+                             *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, text=True)
+
+
+def finish(process, timeout_s=60, exit_code=0, text=None):
+    out, err = process.communicate(text, timeout=timeout_s)
+    check(process.returncode == exit_code, f"exit code {process.returncode}: {err}")
+    return out, err
+
+
+def facts_in(place):
+    return json.loads((place / "live.json").read_text())
+
+
+def test_glove_of_a_scenario_over_udp(place):
+    motors = Motors()
+    address = f"udp:127.0.0.1:{free_port()}"
+    session = live(place / "live", "--glove", address, "--motors", motors.address, "--seconds", "2",
+                   "--shadow", "tuned_kalman", "--record", place / "own.csv")
+    glove = subprocess.Popen([PROGRAM, "glove", "random_motion", "--to", address, "--seconds", "30"],
+                             stderr=subprocess.DEVNULL)
+    out, _ = finish(session)
+    glove.send_signal(signal.SIGTERM)
+    glove.wait(10)
+    check_commands(motors.end())
+    facts = facts_in(place / "live")
+    check_stages(facts)
+    frames = facts["frames"]
+    check(frames["has_numbers"] and frames["repeated"] == frames["out_of_order"] == 0,
+          "frames of a good link are repeated or out of order")
+    check(facts["ended_by"] == "seconds" and facts["commands"]["failed"] == 0, str(facts["commands"]))
+    check("The largest stage" in out and "tuned_kalman" in out, out)
+    check([c["controller"] for c in facts["controllers"]] == ["raw", "tuned_kalman"],
+          "the shadow has no scores")
+    inspected = subprocess.run([PROGRAM, "inspect", place / "own.csv"], capture_output=True,
+                               text=True, check=True).stdout
+    check("joints  18 by name" in inspected, inspected)
+    for recording in (place / "own.csv", place / "live" / "scenario.resolved.yaml"):
+        subprocess.run([PROGRAM, "run", recording, "--causes", "none", "--out", place / "again"],
+                       check=True, capture_output=True)
+    subprocess.run([PROGRAM, "report", place / "live", place / "again", "--out",
+                    place / "page.html"], check=True, capture_output=True)
+
+
+def send_faults(address, seconds=3.0):
+    """100 samples a second, with every fault. Returns what was sent."""
+    random.seed(1)
+    sent = {"lost": 0, "repeated": 0, "garbage": 0}
+    way = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    late = []
+    start = time.monotonic()
+    offset = 0
+    for number in range(int(100 * seconds)):
+        time.sleep(max(0.0, start + 0.01 * number - time.monotonic()))
+        now = time.monotonic() - start
+        for due, packet in [entry for entry in late if entry[0] <= now]:
+            way.sendto(packet, address)
+        late = [entry for entry in late if entry[0] > now]
+        if number % 50 == 0:
+            way.sendto(b"frame,time_s,index_mcp_counts,middle_mcp_counts\n", address)
+        if 150 <= number < 170:
+            continue  # a burst, and a watchdog that holds
+        if 200 <= number < 240:
+            offset = 240  # gone for 0.4 s, and back with numbers from 0 on
+            continue
+        values = [500.0 + 200.0 * math.sin(2.0 * math.pi * 0.5 * now + c) for c in range(2)]
+        if number % 40 == 7:
+            values = [1e9, -1e9]
+        packet = f"{number - offset},{now:.6f},{values[0]:.3f},{values[1]:.3f}\n".encode()
+        if 20 < number < 150 and random.random() < 0.1:
+            sent["lost"] += 1
+            continue
+        if number in (60, 61, 90):
+            late.append((now + 0.2, packet))
+            continue
+        way.sendto(packet, address)
+        if number % 30 == 11:
+            way.sendto(packet, address)
+            sent["repeated"] += 1
+        if number % 25 == 13:
+            way.sendto(b"\xff\x00boot: rst:0x1\n" if number % 2 else packet[: len(packet) // 2], address)
+            sent["garbage"] += 1
+    way.close()
+    return sent
+
+
+def test_every_fault_of_a_link(place):
+    motors = Motors()
+    port = free_port()
+    session = live(place, "--glove", f"udp:127.0.0.1:{port}", "--motors", motors.address,
+                   "--seconds", "2.6", *SMALL_GLOVE)
+    time.sleep(0.5)
+    sent = send_faults(("127.0.0.1", port))
+    finish(session)
+    frames = motors.end()
+    check_commands(frames)
+    facts = facts_in(place)
+    got = facts["frames"]
+    check(got["lost"] >= 20, f"lost: {got['lost']}")
+    # Of a sender that starts anew, four frames look like repeated ones.
+    check(0 < got["repeated"] <= sent["repeated"] + 4, f"repeated: {got['repeated']}, sent {sent}")
+    check(got["out_of_order"] >= 3, f"out of order: {got['out_of_order']}")
+    check(got["restarts"] == 1, f"restarts: {got['restarts']}")
+    check(got["garbage"] + got["half_frames"] > 0, "garbage is not counted")
+    check(facts["watchdog"]["hold"]["entered"] >= 1 and facts["watchdog"]["relax"]["entered"] >= 1,
+          str(facts["watchdog"]))
+    check(facts["untrusted_samples"][0] > 0, "values of 1e9 are trusted")
+
+
+def test_ctrl_c_brings_motors_to_rest(place):
+    motors = Motors()
+    session = live(place, "--motors", motors.address)
+    time.sleep(1.5)
+    deadline = time.monotonic() + 20
+    while len(motors.frames) < 30 and time.monotonic() < deadline:
+        time.sleep(0.05)
+    session.send_signal(signal.SIGINT)
+    finish(session)
+    check_commands(motors.end())
+    check(facts_in(place)["ended_by"] == "stopped", "Ctrl-C is not the reason")
+
+
+def test_standard_input_ends_the_session(place):
+    rows = "index_mcp_deg,middle_mcp_deg\n" + "".join(f"{20 + i % 9},30\n" for i in range(50))
+    session = live(place, "--glove", "stdin", "--motors", "none", *SMALL_GLOVE)
+    finish(session, text=rows)
+    facts = facts_in(place)
+    check(facts["ended_by"] == "glove ended" and facts["frames"]["frames"] == 50, str(facts["frames"]))
+
+
+def test_motors_without_a_listener_do_not_end_it(place):
+    session = live(place, "--motors", f"udp:127.0.0.1:{free_port()}", "--seconds", "1.5")
+    finish(session)
+    facts = facts_in(place)
+    check(facts["commands"]["failed"] > 0, str(facts["commands"]))
+    check(facts["commands"]["largest_step_counts"] == 0, "motors leave their rest without a sink")
+
+
+def test_columns_that_are_not_the_glove_are_asked_for(place):
+    session = live(place, "--glove", "stdin", *SMALL_GLOVE)
+    _, err = finish(session, exit_code=2, text="1,2,3\n4,5,6\n7,8,9\n")
+    check("3 values" in err and "--map" in err, err)
+    check(not place.exists(), "a session that failed left its folder")
+
+
+def main():
+    failed = 0
+    for name, test in list(globals().items()):
+        if not name.startswith("test_") or (len(sys.argv) > 2 and sys.argv[2] not in name):
+            continue
+        begin = time.monotonic()
+        with tempfile.TemporaryDirectory() as place:
+            try:
+                test(pathlib.Path(place) / "out")
+                print(f"passed {name}, {time.monotonic() - begin:.1f} s")
+            except (AssertionError, subprocess.SubprocessError) as error:
+                failed += 1
+                print(f"FAILED {name}: {error}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
