@@ -86,7 +86,7 @@ struct GapConfig {
 /// What a receiver does with the frames that arrive.
 struct ReceiverConfig {
   ReceiverSettings settings;
-  GapConfig gap;
+  GapConfig gap = {};
 
   void Visit(controller::SettingsVisitor& visitor) {
     controller::VisitKind(visitor, {"kind", "which frame is used, and when"}, settings);
