@@ -21,7 +21,7 @@ namespace {
 
 struct GloveCommand {
   static constexpr auto kName = "glove";
-  static constexpr auto kPurpose = "Play a scenario's glove as a device would, in real time";
+  static constexpr auto kPurpose = "Send a scenario's glove in real time, as a device";
   std::string scenario_file;
   std::string to;
   std::string format;

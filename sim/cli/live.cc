@@ -35,7 +35,7 @@ constexpr std::string_view kSimulated = "simulated";
 
 struct LiveCommand {
   static constexpr auto kName = "live";
-  static constexpr auto kPurpose = "Run a controller between a real glove and real motors";
+  static constexpr auto kPurpose = "Run a controller live, from a glove to motors";
   std::string scenario_file;
   std::string controller;
   std::string glove{kSimulated};
