@@ -334,7 +334,7 @@ void AddWithoutHand(Shapes& shapes) {
   for (int i = 1; i <= 8; ++i) {
     emg.Add(fmt::format("emg{}", i), [i](int row) { return Noise(row, i); });
   }
-  add(emg, "none_emg", "no column looks like a sensor of a hand");
+  add(emg, "none_emg", "activities of muscles");
   Table weather;
   weather.Add("timestamp", Clock(1, 1.7e9)).Add("humidity", Wave(30, 0)).Add("wind", Wave(8, 1));
   add(weather, "none_weather", "no column looks like a sensor of a hand");
