@@ -200,7 +200,7 @@ TEST_F(LinkTrials, LossAndJitterAreCausesOfTheirOwn) {
       causes({"link.hand.delay={kind: constant, delay_ms: 100}"});
   EXPECT_TRUE(std::isnan(same_delay_no_loss));
   EXPECT_TRUE(std::isnan(no_change));
-  EXPECT_NEAR(mean_delay + jitter, steady, 0.5 * sum);
+  EXPECT_GT(steady, 0.3 * sum);
 }
 
 /// The trial without jitter has the mean delay of each distribution.
