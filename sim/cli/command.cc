@@ -9,9 +9,12 @@
 #include <optional>
 #include <regex>
 #include <sstream>
+#include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "controller/number.h"
+#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/shell_word.h"
@@ -170,13 +173,26 @@ std::string AsCalled(const std::string& text, const std::string& called) {
   return std::regex_replace(text, kCommand, "$1" + word + "$2");
 }
 
+/// The next line, or what is left of a paragraph of notes of which a line is too long.
+bool NextPart(std::vector<std::string_view>& lines, std::size_t width, std::string& part) {
+  if (lines.empty()) return false;
+  const auto is_text = [](std::string_view line) { return !line.empty() && line[0] != ' '; };
+  const auto end = std::ranges::find_if_not(lines, is_text);
+  const bool is_long =
+      std::any_of(lines.begin(), end, [&](auto line) { return Width(line) > width; });
+  const auto last = is_long ? end : lines.begin() + 1;
+  part = fmt::format("{}", fmt::join(lines.begin(), last, " "));
+  lines.erase(lines.begin(), last);
+  return true;
+}
+
 /// Help in lines of at most 80 columns. Descriptions stay in the column where CLI11 begins them.
 std::string HelpIn80Columns(const std::string& help) {
   constexpr std::size_t kWidth = 80;
   constexpr std::size_t kDescription = 30;  // CLI11's column of descriptions
-  std::istringstream lines(help);
+  std::vector<std::string_view> lines = SplitLines(help);
   std::string out;
-  for (std::string line; std::getline(lines, line);) {
+  for (std::string line; NextPart(lines, kWidth, line);) {
     const bool has_columns = line.starts_with("  -") || line.starts_with("   ") ||
                              (line.starts_with("  ") && line.find("  ", 2) != std::string::npos);
     if (Width(line) > kWidth && has_columns && line.size() > kDescription) {

@@ -33,7 +33,7 @@ struct GloveCommand {
         ScenarioArgument(scenario_file),
         Option("--to", &to, {.value = "SINK", .required = true},
                "udp:HOST:PORT, osc:HOST:PORT, serial:DEVICE or stdout"),
-        Option("--format", &format, {.words = {"csv", "labels", "alpha", "json", "binary"}},
+        Option("--format", &format, {.words = {"csv", "labels", "json", "binary"}},
                "form of the frames, as of docs/reference/live-formats.md [csv]"),
         Option("--seconds", &seconds, {.range = {0.1, 36000.0}},
                "how long; the motion repeats [once]"),

@@ -173,6 +173,14 @@ void ThrowIfFailed(const LiveFacts& facts, const HandHealth& health) {
   }
 }
 
+/// A place for a recording: a session cannot be repeated, so none replaces another.
+const std::filesystem::path& NewRecording(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) return file;
+  throw UserError({.place = file.string(),
+                   .problem = "exists already, and a recording is not replaced; --record or --out "
+                              "names another place"});
+}
+
 void RunLiveCommand(const LiveCommand& command) {
   const ScenarioSource source{.file = command.scenario_file,
                               .text = ReadYamlText(command.scenario_file),
@@ -225,6 +233,11 @@ void RunLiveCommand(const LiveCommand& command) {
                      .command = "live",
                      .results = {"live.json", "report.html", "scores.json", "scores.csv",
                                  "trace.h5", "scenario.resolved.yaml"}});
+  const std::filesystem::path recording = command.record.empty()
+                                              ? folder.path() / "recording.csv"
+                                              : std::filesystem::path(command.record);
+  std::optional<OutputFile> recording_file;
+  if (glove_address || !command.record.empty()) recording_file.emplace(NewRecording(recording));
   SayHow(setup, wanted);
   LiveResult result;
   {
@@ -233,12 +246,8 @@ void RunLiveCommand(const LiveCommand& command) {
   }
   if (!result.columns_remark.empty()) Say("gauntlet: {}\n", result.columns_remark);
   const LiveContext context = ContextOf(command, study, setup);
-  const std::filesystem::path recording = command.record.empty()
-                                              ? folder.path() / "recording.csv"
-                                              : std::filesystem::path(command.record);
   const LiveRecord record{.setup = &setup, .study = &study, .source = &source};
-  const bool has_recording = glove_address || !command.record.empty();
-  if (has_recording) WriteRecording(record, result, recording);
+  if (recording_file) WriteRecording(record, result, *recording_file);
   LiveOutcome outcome = ScoreSession(record, recording, folder.path(), result);
   if (!outcome.remark.empty()) Say("gauntlet: {}\n", outcome.remark);
   const std::string json = LiveJson(result.facts, context, outcome.shadows).dump(1) + "\n";
@@ -265,7 +274,7 @@ void RunLiveCommand(const LiveCommand& command) {
   Say("wrote {}: live.json{}{}\n", folder.path().string(),
       outcome.finished ? ", report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml"
                        : "",
-      has_recording ? "; " + recording.string() : "");
+      recording_file ? "; " + recording.string() : "");
   ThrowIfFailed(result.facts, result.trace.health);
 }
 

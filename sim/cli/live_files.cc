@@ -136,8 +136,7 @@ double TraceLength_s(double seconds, double motion_s) {
   return std::min(length_s, kMost_s);
 }
 
-void WriteRecording(const LiveRecord& record, const LiveResult& result,
-                    const std::filesystem::path& file) {
+void WriteRecording(const LiveRecord& record, const LiveResult& result, OutputFile& file) {
   const controller::GloveCalibration& glove = record.study->calibration;
   const RecordedRows rows = RowsOf(record, result);
   std::string text = "time_s";
@@ -158,7 +157,8 @@ void WriteRecording(const LiveRecord& record, const LiveResult& result,
     }
     text.push_back('\n');
   }
-  WriteOutputFile(file, text);
+  file.Write(text);
+  file.Commit();
 }
 
 LiveOutcome ScoreSession(const LiveRecord& record, const std::filesystem::path& recording,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/output_file.h"
 #include "sim/comparison/summary.h"
 #include "sim/live/live_report.h"
 #include "sim/live/live_session.h"
@@ -32,9 +33,8 @@ double TraceLength_s(double seconds, double motion_s);
 
 /// The samples of the glove as joint angles over time, by its calibration: `time_s`, then
 /// `NAME_deg` per channel. Every command takes such a file without a map. Errors: RunError,
-/// UserError as of WriteOutputFile().
-void WriteRecording(const LiveRecord& record, const LiveResult& result,
-                    const std::filesystem::path& file);
+/// UserError as of OutputFile.
+void WriteRecording(const LiveRecord& record, const LiveResult& result, OutputFile& file);
 
 /// Scores of the session's trace, as of a run: against the wearer's true angles where the glove was
 /// simulated, else against the smoothed recording, whose scenario it then is. Moves the trace out

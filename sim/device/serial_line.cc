@@ -157,7 +157,7 @@ void SerialLine::Open() {
       facts_ += ", DTR cannot be set";
     }
   }
-  tcflush(descriptor_, TCIFLUSH);  // what was sent to nobody is old
+  tcflush(descriptor_, TCIFLUSH);  // bytes from before are old
 }
 
 std::string SerialLine::Reopen() {

@@ -81,9 +81,8 @@ ResultTable StageTable(const LiveFacts& facts) {
 std::string LargestText(const LiveFacts& facts) {
   const auto largest = static_cast<std::size_t>(LargestStage(facts));
   return fmt::format(
-      "A command leaves {} ms after its glove sample arrived (median; p99 {} ms). The largest "
-      "stage "
-      "is: {}, {} ms on average.",
+      "A command leaves {} ms after its glove sample arrived (median; p99 {} ms). "
+      "The largest stage is: {}, {} ms on average.",
       Ms(facts.total.Quantile_us(0.5)), Ms(facts.total.Quantile_us(0.99)),
       kStageNames[largest].text, Ms(facts.stages[largest].mean_us()));
 }

@@ -240,8 +240,8 @@ struct DigitAngles {
 };
 
 DigitAngles AnglesOfFinger(const PlacedHand& hand, int finger,
-                           const std::vector<double>& spread_rad) {
-  const std::vector<double> usual_m = UsualLengths(hand.points_m, hand.is_lost);
+                           const std::vector<double>& spread_rad,
+                           const std::vector<double>& usual_m) {
   const std::size_t first_bone = static_cast<std::size_t>(kJointsOfDigit * finger) + 1;
   DigitAngles angles{.angle_rad = Eigen::MatrixX3d::Constant(std::ssize(spread_rad), 3, kMissing)};
   for (std::size_t k = 0; k < spread_rad.size(); ++k) {
@@ -414,11 +414,12 @@ KeypointAngles AnglesOf(const PlacedHand& hand) {
   angles.angle_deg = Eigen::MatrixXd::Constant(frames, kFirstOfFingers + 13, kMissing);
   angles.angle_deg.leftCols<kFirstOfFingers>() = AnglesOfThumb(hand);
   double residual_m2 = 0.0, points = 0.0;
+  const std::vector<double> usual_m = UsualLengths(hand.points_m, hand.is_lost);
   std::vector<std::vector<double>> spread_rad;
   for (int finger = kIndex; finger <= kLittle; ++finger) {
     const auto place = static_cast<std::size_t>(finger - kIndex);
     spread_rad.push_back(Spread(hand, finger));
-    const DigitAngles of = AnglesOfFinger(hand, finger, spread_rad.back());
+    const DigitAngles of = AnglesOfFinger(hand, finger, spread_rad.back(), usual_m);
     angles.angle_deg.middleCols<3>(kFirstOfFingers + 3 * (finger - kIndex)) = of.angle_rad;
     angles.channels.insert(angles.channels.end(), kFingerChannels[place].begin(),
                            kFingerChannels[place].end());

@@ -7,7 +7,7 @@
 
 namespace gauntlet::sim {
 
-/// A port that nobody uses at the moment.
+/// A port that is free at the moment.
 inline int FreePort() {
   const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
   sockaddr_in at{};

@@ -121,6 +121,12 @@ def test_glove_of_a_scenario_over_udp(place):
     check("The largest stage" in out and "tuned_kalman" in out, out)
     check([c["controller"] for c in facts["controllers"]] == ["raw", "tuned_kalman"],
           "the shadow has no scores")
+    before = (place / "own.csv").read_bytes()
+    again = subprocess.run([PROGRAM, "live", "random_motion", "--controller", "raw", "--seconds", "1",
+                            "--record", place / "own.csv", "--out", place / "not_made"],
+                           capture_output=True, text=True)
+    check(again.returncode == 2 and "a recording is not replaced" in again.stderr, again.stderr)
+    check((place / "own.csv").read_bytes() == before, "the recording was replaced")
     inspected = subprocess.run([PROGRAM, "inspect", place / "own.csv"], capture_output=True,
                                text=True, check=True).stdout
     check("joints  18 by name" in inspected, inspected)
