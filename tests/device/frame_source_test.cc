@@ -124,20 +124,25 @@ TEST(UdpSource, ReceivesTheFramesOfAnotherProgram) {
 }
 
 /// The time is that of the arrival, not of the call that took the packet.
+/// A kernel begins to note times a while after the first socket asked, so several packets are sent.
 TEST(UdpSource, HasTheTimeOfArrival) {
   const int port = FreePort();
-  const auto source = Open(fmt::format("udp:127.0.0.1:{},csv", port));
+  const auto source = Open(fmt::format("udp:127.0.0.1:{}", port));
   const Sender sender(port);
-  sender.Send("1,2");
-  const std::int64_t before_ns = MonotonicNow_ns();
-  sender.Send("3,4");
-  const std::int64_t after_ns = MonotonicNow_ns();
-  std::this_thread::sleep_for(milliseconds(100));
-  const std::vector<KeptFrame> frames = Receive(*source, 2);
-  ASSERT_EQ(frames.size(), 2u);
+  sender.Send("a,b");
   constexpr std::int64_t kMargin_ns = 1'000'000;  // between reading two clocks
-  EXPECT_GT(frames[1].arrival_ns, before_ns - kMargin_ns);
-  EXPECT_LT(frames[1].arrival_ns, after_ns + kMargin_ns);
+  bool noted = false;
+  for (int attempt = 0; attempt < 50 && !noted; ++attempt) {
+    const std::int64_t before_ns = MonotonicNow_ns();
+    sender.Send("3,4");
+    const std::int64_t after_ns = MonotonicNow_ns();
+    std::this_thread::sleep_for(milliseconds(100));
+    const std::vector<KeptFrame> frames = Receive(*source, 1);
+    ASSERT_EQ(frames.size(), 1u);
+    noted = frames[0].arrival_ns > before_ns - kMargin_ns &&
+            frames[0].arrival_ns < after_ns + kMargin_ns;
+  }
+  EXPECT_TRUE(noted) << "no packet has the time at which it came";
 }
 
 /// What a network does to packets: the source passes on what came, in the order of arrival.
