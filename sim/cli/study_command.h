@@ -8,6 +8,7 @@
 #include "sim/cli/terminal_option.h"
 #include "sim/hand/hand_model.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 
@@ -27,6 +28,7 @@ struct StudyCommand {
   bool csv = false;
   bool mcap = false;
   std::string priority;  // empty: the scenario's
+  bool allow_programs = false;
   bool verbose = false;
   std::string causes = "first";
   TerminalOptions terminal;
@@ -43,6 +45,7 @@ struct StudyCommand {
                   "change a value, as in --set controllers.tuned.filter.q=0.001; may be repeated"),
         ControllersOption(controllers),
         JobsOption(jobs),
+        AllowProgramsOption(allow_programs),
         Option("--video", &video, {}, "also draw comparison.mp4"),
         Option("--priority", &priority, {},
                "tracking, delay or jitter, with optional bounds: \"tracking, jitter_rms_deg<=0.1\" "
@@ -62,6 +65,10 @@ struct StudyCommand {
 
 /// The controller of `--controller`. Errors: UserError for a name that the scenario does not have.
 const NamedController& FindController(const Scenario& scenario, const std::string& name);
+
+/// Checks the programs of these controllers of a scenario, of all if none is named, before many
+/// settings of it are tried. Errors: UserError, as without the consent to run them.
+void CheckProgramsOf(const ScenarioSource& source, const std::vector<std::string>& controllers);
 
 /// Runs the trials, writes the folder, prints the table, draws the video if asked.
 void RunStudyCommand(const StudyCommand& options);
