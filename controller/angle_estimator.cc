@@ -22,9 +22,15 @@ std::vector<double> MiddleOf(const GloveCalibration& glove) {
   return middle_rad;
 }
 
-/// The paper's R is in counts; a filter of angles that is not given another one would be far off.
-void CheckUnitOfR(const FilterConfig& filter, FilterOn filter_on) {
+/// The paper's R and the default limits of a motion are in counts; a filter of angles that is not
+/// given others would be far off.
+void CheckUnits(const FilterConfig& filter, FilterOn filter_on) {
   if (filter_on == FilterOn::kCounts) return;
+  if (const auto* limits = std::get_if<JerkLimitConfig>(&filter.settings)) {
+    if (limits->max_jerk_per_s3 != JerkLimitConfig{}.max_jerk_per_s3) return;
+    throw SettingError("max_jerk_per_s3",
+                       "must be given with filter_on angle, in rad/s^3: the default is in counts");
+  }
   const std::vector<double>* r = std::visit(
       [](const auto& settings) { return MeasurementVarianceOf(settings); }, filter.settings);
   if (r == nullptr || !IsDefaultMeasurementVariance(*r)) return;
@@ -66,8 +72,8 @@ AngleEstimator::AngleEstimator(const RobotConfig& robot, const ControllerConfig&
   }
   for (std::size_t i = 0; i < config.filters.size(); ++i) {
     chain_.push_back(WithinSetting("filter[" + std::to_string(i) + "]", [&] {
-      CheckUnitOfR(config.filters[i], config.filter_on);
-      return MakeFilter(config.filters[i], channel_count(), step_rate_hz_);
+      CheckUnits(config.filters[i], config.filter_on);
+      return MakeFilter(config.filters[i], robot.glove.channel_names, step_rate_hz_);
     }));
   }
   predictor_ = WithinSetting("prediction", [&] {

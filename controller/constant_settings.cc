@@ -116,6 +116,16 @@ class ConstantReader final : public SettingsVisitor {
     }
   }
 
+  bool ShowsOptional(const Setting& setting, bool given) override {
+    return given || (absent_groups_ == 0 && place_ < settings_.size() &&
+                     settings_[place_].key == setting.key);
+  }
+  /// A list has its length, and then items without a key.
+  bool ShowsList(const Setting& setting, bool given) override {
+    return given || (ShowsOptional(setting, false) && place_ + 1 < settings_.size() &&
+                     settings_[place_ + 1].key.empty() && !settings_[place_ + 1].is_text);
+  }
+
   void ExpectEnd() {
     if (place_ == settings_.size()) return;
     at_ = place_;

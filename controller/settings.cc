@@ -82,6 +82,14 @@ class RangeChecker final : public SettingsVisitor {
 
 }  // namespace
 
+void SettingsVisitor::NamedNumbers(const Setting& setting, std::vector<NamedNumber>& values) {
+  Group(setting, [&values](SettingsVisitor& inner) {
+    for (NamedNumber& number : values) {
+      inner.Number({.key = number.name, .help = "as named"}, number.value);
+    }
+  });
+}
+
 std::string NumberText(double value) {
   constexpr double kExact = 1e15;  // whole numbers up to here have all their digits
   const bool whole = std::abs(value) < kExact && value == std::floor(value);

@@ -45,6 +45,12 @@ struct GAUNTLET_API SettingMap {
   std::function<void(std::size_t, class SettingsVisitor&)> visit;
 };
 
+/// A number that a person names (a parameter of a program).
+struct GAUNTLET_API NamedNumber {
+  std::string name;
+  double value = 0.0;
+};
+
 /// Sees every setting of a config struct once: the key, the help, the range and the value.
 ///
 /// Every config struct has a member `void Visit(SettingsVisitor&)`. That one description serves the
@@ -71,8 +77,14 @@ class GAUNTLET_API SettingsVisitor {
   virtual void List(const Setting& setting, const SettingList& list) = 0;
   virtual void Map(const Setting& setting, const SettingMap& map) = 0;
 
+  /// Numbers whose names are the file's; a visitor may add some at the end.
+  virtual void NamedNumbers(const Setting& setting, std::vector<NamedNumber>& values);
+
   /// True if a setting that may be absent is to be shown. A reader also shows what its file has.
   virtual bool ShowsOptional(const Setting& /*setting*/, bool given) { return given; }
+  /// True if Numbers() is to show a single number, with one value for each channel. A reader does
+  /// so where its file has a list.
+  virtual bool ShowsList(const Setting& /*setting*/, bool given) { return given; }
 };
 
 /// A value that a config struct does not allow. `key` is the path of keys, joined by dots.

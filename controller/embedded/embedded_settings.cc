@@ -27,6 +27,10 @@ Eigen::ArrayXXd GainsOf(const ControllerConfig& config, int channels, double rat
   gains.row(0) = 1.0;  // passes its input on
   if (config.filters.empty()) return gains;
   if (config.filters.size() > 1) Refuse("filter", "has several filters, must be one at most");
+  if (!config.filters[0].channels.empty()) Refuse("filter[0].channels", "is given, must be absent");
+  if (!config.filters[0].per_channel.empty()) {
+    Refuse("filter[0]." + config.filters[0].per_channel[0].key, "is a list, must be one value");
+  }
   const auto& settings = config.filters[0].settings;
   if (std::holds_alternative<NoFilterConfig>(settings)) return gains;
   if (const auto* exponential = std::get_if<ExponentialConfig>(&settings)) {

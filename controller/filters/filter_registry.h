@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 
 #include "controller/export.h"
 #include "controller/filters/filter.h"
@@ -9,7 +10,12 @@
 
 namespace gauntlet::controller {
 
-/// Errors: SettingError for a setting that is not allowed or does not fit the number of channels.
+/// Errors: SettingError for a setting that is not allowed or does not fit the number of channels,
+/// and for channels that there are not.
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const FilterConfig& config,
+                                                std::span<const std::string> channel_names,
+                                                double rate_hz);
+/// The same for channels that have only numbers.
 GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const FilterConfig& config, int channel_count,
                                                 double rate_hz);
 
@@ -30,6 +36,8 @@ GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const SavitzkyGolayConfig& confi
                                                 int channel_count, double rate_hz);
 GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const OneEuroConfig& config, int channel_count,
                                                 double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const JerkLimitConfig& config, int channel_count,
+                                                double rate_hz);
 GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const AlphaBetaConfig& config, int channel_count,
                                                 double rate_hz);
 GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const AlphaBetaGammaConfig& config,
@@ -43,6 +51,8 @@ GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const KalmanAdaptiveConfig& conf
 GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const KalmanDenseConfig& config, int channel_count,
                                                 double rate_hz);
 GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const FixedLagConfig& config, int channel_count,
+                                                double rate_hz);
+GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const ExternalConfig& config, int channel_count,
                                                 double rate_hz);
 
 /// A Kalman filter that also takes the acceleration input u of the paper's model.

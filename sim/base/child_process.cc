@@ -46,6 +46,13 @@ void ChildProcess::Kill() {
   if (process_ > 0) kill(process_, SIGKILL);
 }
 
+bool ChildProcess::HasEnded() const {
+  if (process_ < 0) return true;
+  siginfo_t info = {};
+  const auto id = static_cast<id_t>(process_);
+  return waitid(P_PID, id, &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != 0;
+}
+
 std::optional<ChildEnd> ChildProcess::Wait() {
   const pid_t process = std::exchange(process_, -1);
   if (process < 0) return std::nullopt;

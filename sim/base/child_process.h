@@ -31,6 +31,10 @@ class ChildProcess {
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   void Kill();
+  /// The number of the process until Wait() has returned; then -1.
+  pid_t id() const { return process_; }
+  /// True if Wait() would return at once.
+  bool HasEnded() const;
   /// Waits for the end of the child. None if the system no longer knows the child, and in a second
   /// call.
   std::optional<ChildEnd> Wait();

@@ -19,13 +19,15 @@ struct CellsCommand {
   int jobs = 0;     // 0: one per core
   std::string shard;
   std::vector<std::string> collect;
+  bool allow_programs = false;
   bool verbose = false;
   TerminalOptions terminal;
 
-  /// --jobs, --shard, --collect, --verbose, --color and --wide.
+  /// --jobs, --allow-programs, --shard, --collect, --verbose, --color and --wide.
   Options Rows() {
     return {
         JobsOption(jobs),
+        AllowProgramsOption(allow_programs),
         Option("--shard", &shard, {.value = "i/n"}, "run only part i of n, into its own folder"),
         Option("--collect", &collect, {.value = "DIR", .offer = Offer::kFolders},
                "collect the results of these shard folders, then run missing ones"),

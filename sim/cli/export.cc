@@ -17,6 +17,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
+#include "sim/external/external_filters.h"
 #include "sim/results/table_text.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_reader.h"
@@ -178,6 +179,12 @@ void RunExport(const ExportOptions& options) {
   const Manifest manifest(options.folder);
   const Scenario scenario = LoadScenario(manifest.Checked("scenario.resolved.yaml"), {});
   const NamedController& named = FindController(scenario, options.controller);
+  if (HasPrograms(named.config)) {
+    throw UserError({.place = "--controller " + options.controller,
+                     .key = "filter",
+                     .problem = "is a program (kind external), which a robot's file cannot "
+                                "contain; must be a filter of Gauntlet"});
+  }
   const HandModel hand(scenario.hand, TimingOf(scenario));
   WarnIfUnchecked(options.folder, manifest.exists());
   WarnIfMadeElsewhere(scenario.made_with, hand, "the file is for the hand as it is now");

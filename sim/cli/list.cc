@@ -80,6 +80,15 @@ std::vector<Entry> EntriesOf(const Kinds& kinds) {
   return entries;
 }
 
+/// `channels` is a key of every filter, which the documentation describes once.
+std::vector<Entry> FilterEntries() {
+  std::vector<Entry> entries = EntriesOf(controller::AllFilterKinds());
+  for (Entry& entry : entries) {
+    std::erase_if(entry.settings, [](const SettingRow& row) { return row.key == "channels"; });
+  }
+  return entries;
+}
+
 /// Presets of a link, then the kinds of its parts.
 std::vector<Entry> LinkEntries() {
   std::vector<Entry> entries;
@@ -203,8 +212,7 @@ std::vector<Entry> ScenarioKeys() {
 
 const std::vector<Topic>& Topics() {
   static const std::vector<Topic> kTopics = {
-      {"filters", "what a controller can do with the noise",
-       [] { return EntriesOf(controller::FilterKinds()); }},
+      {"filters", "what a controller can do with the noise", FilterEntries},
       {"predictions", "how a controller can look ahead",
        [] { return EntriesOf(controller::PredictionKinds()); }},
       {"motions", "what the wearer can do", [] { return EntriesOf(MotionKinds()); }},

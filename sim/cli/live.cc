@@ -23,6 +23,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/cli/terminal_option.h"
+#include "sim/external/external_filters.h"
 #include "sim/live/live_report.h"
 #include "sim/live/live_session.h"
 #include "sim/scenario/scenario_reader.h"
@@ -187,6 +188,13 @@ void RunLiveCommand(const LiveCommand& command) {
                               .overrides = command.overrides};
   Scenario scenario = ParseScenario(source);
   KeepControllers(ControllersOf(command, scenario), scenario);
+  for (const NamedController& named : scenario.controllers) {
+    if (!HasPrograms(named.config)) continue;
+    throw UserError({.place = "--controller " + named.name,
+                     .key = "filter",
+                     .problem = "is a program (kind external), which has no place in real time; "
+                                "must be a filter of Gauntlet"});
+  }
   const auto glove_address = AddressOf("--glove", command.glove, DeviceRole::kSource);
   const auto motors_address = AddressOf("--motors", command.motors, DeviceRole::kSink);
   if (!command.map.empty() && !glove_address) {

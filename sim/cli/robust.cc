@@ -3,6 +3,8 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/study_command.h"
+#include "sim/external/external_filters.h"
 #include "sim/report/robust_page.h"
 #include "sim/robust/robust_tables.h"
 #include "sim/scenario/scenario_reader.h"
@@ -49,11 +51,13 @@ Example:
 };
 
 void RunRobustCommand(const RobustCommand& command) {
+  if (command.cells.allow_programs) AllowPrograms();
   RobustOptions options = command.robust;
   options.within_percent = command.within_percent;
   const RobustPlan plan = MakeRobustPlan(
       {.file = command.scenario, .text = ReadYamlText(command.scenario), .overrides = command.set},
       options);
+  CheckProgramsOf(plan.sweep.scenario, plan.sweep.file.controllers);
   CellsFolder folder(plan.sweep, command.cells, "out/" + plan.sweep.file.name + ".robust",
                      {.folder = {},
                       .command = "robust",

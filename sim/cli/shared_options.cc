@@ -77,6 +77,11 @@ int JobsOrCores(int jobs) {
   return jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+Option AllowProgramsOption(bool& allow) {
+  return Option("--allow-programs", &allow, {},
+                "run the programs that the scenario names as filters (kind external)");
+}
+
 Option OutOption(std::string& out, const std::string& help, const std::string& value) {
   return Option("--out", &out,
                 {.value = value,

@@ -23,6 +23,8 @@ Option ControllersOption(std::vector<std::string>& names);
 /// How many trials run at a time; 0, its default, is one per core.
 Option JobsOption(int& jobs);
 int JobsOrCores(int jobs);
+/// The consent that trials run the programs that the scenario names: see AllowPrograms().
+Option AllowProgramsOption(bool& allow);
 /// A folder, or a file: `value` is its name in --help. An empty `out` has no default there: the
 /// command has a place of its own. An empty path that is given is a mistake.
 Option OutOption(std::string& out, const std::string& help, const std::string& value = "DIR");

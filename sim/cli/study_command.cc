@@ -22,6 +22,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/comparison/decisive_second.h"
 #include "sim/comparison/study_files.h"
+#include "sim/external/external_filters.h"
 #include "sim/report/report_page.h"
 #include "sim/report/score_table.h"
 #include "sim/scenario/scenario.h"
@@ -208,6 +209,18 @@ const NamedController& FindController(const Scenario& scenario, const std::strin
        .problem = "unknown controller" + Suggestion(name, AllNames(scenario.controllers))});
 }
 
+void CheckProgramsOf(const ScenarioSource& source, const std::vector<std::string>& controllers) {
+  Scenario scenario = ParseScenario(source);
+  KeepControllers(controllers, scenario);
+  try {
+    for (const NamedController& named : scenario.controllers) {
+      controller::WithinSetting("controllers." + named.name, [&] { CheckPrograms(named.config); });
+    }
+  } catch (const controller::SettingError& error) {
+    throw AtPlace(PlaceOfSetting(source, error.key()), error);
+  }
+}
+
 void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand,
                          std::string_view consequence) {
   if (made.model_hash.empty() || made.model_hash == hand.Hash()) return;
@@ -237,6 +250,7 @@ void WarnIfUnchecked(const std::string& folder, bool checked) {
 
 void RunStudyCommand(const StudyCommand& asked) {
   StudyCommand options = asked;
+  if (options.allow_programs) AllowPrograms();
   if (!options.priority.empty()) options.overrides.push_back(PriorityOverride(options.priority));
   if (IsRecordingFile(asked.scenario_file)) {
     const std::filesystem::path recording = asked.scenario_file;

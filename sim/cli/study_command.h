@@ -29,6 +29,7 @@ struct StudyCommand {
   bool csv = false;
   bool mcap = false;
   std::string priority;  // empty: the scenario's
+  bool allow_programs = false;
   bool verbose = false;
   std::string causes = "first";
   TerminalOptions terminal;
@@ -45,6 +46,7 @@ struct StudyCommand {
                   "change a value, as in --set controllers.tuned.filter.q=0.001; may be repeated"),
         ControllersOption(controllers),
         JobsOption(jobs),
+        AllowProgramsOption(allow_programs),
         Option("--video", &video, {}, "also draw comparison.mp4"),
         Option("--priority", &priority, {},
                "tracking, delay or jitter, with optional bounds: \"tracking, jitter_rms_deg<=0.1\" "
@@ -68,6 +70,10 @@ const NamedController& FindController(const Scenario& scenario, const std::strin
 /// Builds everything that the scenario names. Errors: UserError with the place in the scenario,
 /// unless it has a place of its own: a model, a recording.
 Study PrepareStudyOf(const ScenarioSource& source, Scenario scenario);
+
+/// Checks the programs of these controllers of a scenario, of all if none is named, before many
+/// settings of it are tried. Errors: UserError, as without the consent to run them.
+void CheckProgramsOf(const ScenarioSource& source, const std::vector<std::string>& controllers);
 
 /// Runs the trials, writes the folder, prints the table, draws the video if asked.
 void RunStudyCommand(const StudyCommand& options);

@@ -14,6 +14,8 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/slurm.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/study_command.h"
+#include "sim/external/external_filters.h"
 #include "sim/report/sweep_page.h"
 #include "sim/sweep/sweep_tables.h"
 
@@ -109,6 +111,7 @@ std::vector<std::string> OptionsOfCells(const SweepCommand& command) {
   }
   if (command.seeds > 0) add("--seeds", std::to_string(command.seeds));
   for (const std::string& set : command.set) add("--set", set);
+  if (command.cells.allow_programs) words.emplace_back("--allow-programs");
   if (command.filter_only) words.emplace_back("--filter-only");
   if (command.all_seeds) words.emplace_back("--all-seeds");
   return words;
@@ -174,6 +177,7 @@ void SubmitSweep(const SweepCommand& command, const SweepPlan& plan) {
 }
 
 void RunSweepCommand(const SweepCommand& command) {
+  if (command.cells.allow_programs) AllowPrograms();
   CheckSlurmOptions(command);
   SweepOverrides overrides{.seeds = {},
                            .filter_only = command.filter_only,
@@ -182,6 +186,7 @@ void RunSweepCommand(const SweepCommand& command) {
   if (command.seeds > 0) overrides.seeds = command.seeds;
   const SweepPlan plan = LoadSweepPlan(ReadyFile(command.file, "studies", "study"), overrides);
   CheckSize(plan, command);
+  CheckProgramsOf(plan.scenario, plan.file.controllers);
   if (command.slurm) return SubmitSweep(command, plan);
   CellsFolder folder(plan, command.cells, "out/" + plan.file.name,
                      {.folder = {}, .command = "sweep", .results = {"report.html", "cells.csv"}});

@@ -13,6 +13,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
+#include "sim/external/external_filters.h"
 #include "sim/report/tune_all_page.h"
 #include "sim/report/tune_page.h"
 #include "sim/scenario/scenario_reader.h"
@@ -40,6 +41,7 @@ struct TuneCommand {
   bool filter_only = false;
   bool force = false;
   bool json = false;
+  bool allow_programs = false;
   bool verbose = false;
   TerminalOptions terminal;
 
@@ -61,6 +63,7 @@ struct TuneCommand {
         Option("--held-out", &held_out, {.range = {1, 10000}},
                "further seeds, for the verdict [8]"),
         JobsOption(jobs),
+        AllowProgramsOption(allow_programs),
         Option("--filter-only", &filter_only, {}, "score the filter outputs, without the hand"),
         OutOption(out, "output folder [out/<scenario>.tune]"),
         ForceOption(force),
@@ -230,7 +233,9 @@ void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder&
 }
 
 void RunTuneCommand(const TuneCommand& asked) {
+  if (asked.allow_programs) AllowPrograms();
   const TunePlan plan = PlanOf(asked);
+  CheckProgramsOf(plan.scenario, {plan.controller});
   const std::string name = plan.scenario.file.stem().string();
   const std::string out = asked.out.empty() ? "out/" + name + ".tune" : asked.out;
   SetSignalFolder(out);

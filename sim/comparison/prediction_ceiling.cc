@@ -146,8 +146,10 @@ class Ceiling {
  private:
   Signal AskedBy(const controller::ControllerConfig& config, const GloveSignal& glove,
                  int seed) const {
-    return RunFilterTrial(SetupOf(study_, {.name = named_.name, .config = config}, seed), glove)
-        .hand_angle_rad;
+    Trace trace =
+        RunFilterTrial(SetupOf(study_, {.name = named_.name, .config = config}, seed), glove);
+    if (!trace.health.ok) throw RunError(trace.health.problem);
+    return std::move(trace.hand_angle_rad);
   }
   /// The ticks of each measured joint that count, and with them what is ahead of them.
   std::vector<CountedTicks> CountedWithFuture(const GloveSignal& glove, Index ticks) const {

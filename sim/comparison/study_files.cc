@@ -14,6 +14,7 @@
 #include "sim/base/output_file.h"
 #include "sim/comparison/comparison_verdict.h"
 #include "sim/comparison/decisive_second.h"
+#include "sim/external/external_filters.h"
 #include "sim/scenario/scenario_files.h"
 #include "sim/statistics/result_cells.h"
 #include "sim/study/counted_parts.h"
@@ -276,6 +277,12 @@ std::string ResolvedScenario(const FinishedStudy& finished) {
                         .files = FilesOf(scenario)};
   std::string notes;
   for (const std::string& note : finished.study.hand->notes()) notes += "# " + note + "\n";
+  for (const NamedController& named : scenario.controllers) {
+    if (!HasPrograms(named.config)) continue;
+    notes +=
+        "# It repeats only with the programs of its filters: their files are below made_with.\n";
+    break;
+  }
   return notes + ScenarioToYaml(scenario, finished.folder);
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "sim/base/hash.h"
+#include "sim/external/external_filters.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -58,6 +59,9 @@ std::vector<NamedFile> FilesOf(const Scenario& scenario) {
   std::set<std::string> paths;
   PathVisitor collector([&paths](const std::string& path) { paths.insert(path); });
   for (GloveConfig& glove : gloves) glove.Visit(collector);
+  for (const NamedController& named : scenario.controllers) {
+    for (const std::filesystem::path& file : ProgramFiles(named.config)) paths.insert(file);
+  }
   std::vector<NamedFile> files;
   for (const std::string& path : paths) {
     std::error_code unreadable;

@@ -6,9 +6,9 @@
 
 namespace gauntlet::sim {
 
-/// The files that the scenario's gloves are made from (recordings, references, column maps), each
-/// once, with its hash as it is now. What is no regular file, as a pipe, has no hash and is left
-/// out. Errors: as HashOfFile().
+/// The files that the scenario's gloves are made from (recordings, references, column maps) and
+/// those of its programs, each once, with its hash as it is now. What is no regular file, as a
+/// pipe, has no hash and is left out. Errors: as HashOfFile().
 std::vector<NamedFile> FilesOf(const Scenario& scenario);
 
 /// Leaves of every path its last name: for a scenario that is known by what is in its files.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <variant>
 
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
@@ -88,6 +89,22 @@ void CheckPresets(const YamlNode& root, const YamlSource& source) {
                        .key = preset,
                        .problem = "has no effect on " + key +
                                   ", which the file sets; set that, too, or leave it out there"});
+    }
+  }
+}
+
+/// A program runs in the folder of the file that names it; one of --set, in the current one.
+void PlacePrograms(const YamlSource& source, Scenario& scenario) {
+  for (NamedController& named : scenario.controllers) {
+    for (std::size_t i = 0; i < named.config.filters.size(); ++i) {
+      auto* external = std::get_if<controller::ExternalConfig>(&named.config.filters[i].settings);
+      if (external == nullptr || !external->folder.empty()) continue;
+      const std::string filter = fmt::format("controllers.{}.filter", named.name);
+      const bool is_set = source.OverrideOf(filter + ".command") != nullptr ||
+                          source.OverrideOf(fmt::format("{}[{}].command", filter, i)) != nullptr;
+      const std::filesystem::path folder =
+          is_set ? std::filesystem::path() : source.FileOf(filter).parent_path();
+      external->folder = (std::filesystem::current_path() / folder).lexically_normal();
     }
   }
 }
@@ -184,6 +201,7 @@ Scenario ParseScenario(const ScenarioText& text, const std::vector<std::string>&
   Scenario scenario = ReadScenario(lists, 0, root, source);
   CheckNames(root, source, scenario);
   FillControllers(root, source, auto_horizons, scenario);
+  PlacePrograms(source, scenario);
   CheckBaseline(root, source, scenario);
   CheckPriority(root, source, scenario);
   CheckVideoSize(root, source, scenario.video);

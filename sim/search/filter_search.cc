@@ -72,6 +72,15 @@ FilterSearch SearchOf(const controller::OneEuroConfig&, const FilterInput& input
   return {{Log("min_cutoff_hz", 0.1, 0.45 * input.rate_hz),
            Log("beta", 1e-3 / input.unit_per_rad, 10.0 / input.unit_per_rad)}};
 }
+FilterSearch SearchOf(const controller::JerkLimitConfig&, const FilterInput& input) {
+  // From a hand of 200 deg/s^2 that takes 0.2 s to reach it [rad/s^2, rad/s^3], to one that follows
+  // every sample.
+  constexpr double kLeastAcceleration = 3.5;
+  constexpr double kLeastJerk = 17.0;
+  const double most = input.unit_per_rad * input.rate_hz * input.rate_hz;
+  return {{Log("max_acceleration_per_s2", kLeastAcceleration * input.unit_per_rad, most),
+           Log("max_jerk_per_s3", kLeastJerk * input.unit_per_rad, most * input.rate_hz)}};
+}
 FilterSearch SearchOf(const controller::AlphaBetaConfig&, const FilterInput& input) {
   const double least = GainOf(kLongest_s, input);
   return {{Log("alpha", least, 1.0), Log("beta", 0.1 * least * least, 1.0)}};
@@ -98,6 +107,9 @@ FilterSearch SearchOf(const controller::KalmanDenseConfig&, const FilterInput&) 
 FilterSearch SearchOf(const controller::FixedLagConfig& config, const FilterInput& input) {
   const double longest = std::min(1000.0, std::round(0.5 * kLongest_s * input.rate_hz));
   return {{ProcessVariance(config.noise.r), Whole("lag", 0, std::max(1.0, longest))}};
+}
+FilterSearch SearchOf(const controller::ExternalConfig&, const FilterInput&) {
+  return {{}, "is a program: name the range of one of its parameters"};
 }
 
 }  // namespace

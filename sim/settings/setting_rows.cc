@@ -61,6 +61,9 @@ class RowCollector final : public controller::SettingsVisitor {
     Add(setting, map.size() == 0 ? "none" : fmt::format("{} given", map.size()),
         map.visit ? "named groups" : "named lists");
   }
+  void NamedNumbers(const Setting& setting, std::vector<controller::NamedNumber>& values) override {
+    Add(setting, values.empty() ? "none" : fmt::format("{} given", values.size()), "named numbers");
+  }
   bool ShowsOptional(const Setting& /*setting*/, bool /*given*/) override { return true; }
 
   std::vector<SettingRow> rows;

@@ -226,6 +226,29 @@ void YamlReader::Map(const Setting& setting, const controller::SettingMap& map) 
   }
 }
 
+void YamlReader::NamedNumbers(const Setting& setting,
+                              std::vector<controller::NamedNumber>& values) {
+  const YamlNode& node = Find(setting);
+  if (!node.IsDefined()) return;
+  if (!node.IsMap()) Fail(node, PathOf(setting.key), "must be names with a number each");
+  values.clear();
+  for (const auto& [key, number] : node.entries()) {
+    const std::string& name = Scalar(key, PathOf(setting.key), "a name");
+    const std::string path = fmt::format("{}.{}", PathOf(setting.key), name);
+    if (!LooksLikeKey(name)) {
+      Fail(key, PathOf(setting.key), "has a name that is not one of letters, digits, _ and -");
+    }
+    if (std::ranges::find(values, name, &controller::NamedNumber::name) != values.end()) {
+      Fail(key, path, "is given twice");
+    }
+    values.push_back({.name = name, .value = ParseNumber(number, path, setting)});
+  }
+}
+
+bool YamlReader::ShowsList(const Setting& setting, bool /*given*/) {
+  return ChildOf(node_, setting.key).IsSequence();
+}
+
 bool YamlReader::ShowsOptional(const Setting& setting, bool given) {
   return Find(setting).IsDefined() || given;
 }

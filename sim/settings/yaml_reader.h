@@ -36,7 +36,10 @@ class YamlReader final : public controller::SettingsVisitor {
              const std::function<void(controller::SettingsVisitor&)>& visit) override;
   void List(const controller::Setting& setting, const controller::SettingList& list) override;
   void Map(const controller::Setting& setting, const controller::SettingMap& map) override;
+  void NamedNumbers(const controller::Setting& setting,
+                    std::vector<controller::NamedNumber>& values) override;
   bool ShowsOptional(const controller::Setting& setting, bool given) override;
+  bool ShowsList(const controller::Setting& setting, bool given) override;
 
   /// To be called after the visit: throws for the first key that was not read, then for the
   /// first that is required and missing: so one that is only misspelt is said to be so.

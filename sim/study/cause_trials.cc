@@ -153,7 +153,8 @@ CauseAngles CauseTrials::Run(const NamedController& named, int seed, const Glove
     setup.hand = HandWithout(cause, keeps_events);
     of(cause) = run();
   }
-  of(ErrorCause::kRest) = RunFilterTrial(setup, *used).hand_angle_rad;
+  Trace rest = RunFilterTrial(setup, *used);
+  if (rest.health.ok) of(ErrorCause::kRest) = std::move(rest.hand_angle_rad);
   return without;
 }
 

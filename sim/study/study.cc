@@ -14,6 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/fast_hash.h"
 #include "sim/base/nearest_name.h"
+#include "sim/external/external_filters.h"
 #include "sim/glove/motions/postures.h"
 #include "sim/hand/camera_view.h"
 #include "sim/recordings/recording.h"
@@ -294,8 +295,10 @@ TrialSetup SetupOf(const Study& study, const NamedController& named, int seed) {
 
 void CheckController(const Study& study, const NamedController& named) {
   controller::WithinSetting("controllers." + named.name, [&] {
-    return controller::Controller(RobotOf(
-        study.scenario, *study.hand, ControllerOfSeed(study, named.config, study.scenario.seed)));
+    CheckPrograms(named.config);
+    return controller::Controller(
+        RobotOf(study.scenario, *study.hand,
+                WithoutPrograms(ControllerOfSeed(study, named.config, study.scenario.seed))));
   });
   LinksOf(study.scenario, named).Check();
 }

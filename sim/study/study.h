@@ -65,7 +65,7 @@ void KeepGloves(int seeds, Study& study);
 /// The trial of one controller with the glove of a seed.
 TrialSetup SetupOf(const Study& study, const NamedController& named, int seed);
 
-/// Builds a controller as it would run, to find what is wrong with it. Errors: SettingError.
+/// Builds a controller, and starts no program, to find what is wrong with it. Errors: SettingError.
 void CheckController(const Study& study, const NamedController& named);
 
 /// Empties the name of the default camera where the model does not have it: the whole is shown.

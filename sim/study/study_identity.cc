@@ -1,10 +1,14 @@
 #include "sim/study/study_identity.h"
 
+#include <fmt/format.h>
+
+#include <random>
 #include <span>
 #include <string_view>
 
 #include "sim/base/hash.h"
 #include "sim/base/mathematics.h"
+#include "sim/external/external_filters.h"
 #include "sim/scenario/scenario_files.h"
 
 namespace gauntlet::sim {
@@ -57,6 +61,10 @@ class SettingsHash final : public controller::SettingsVisitor {
     Key(setting);
     Text(names[index]);
   }
+  void NamedNumbers(const Setting& setting, std::vector<controller::NamedNumber>& values) override {
+    Count(values.size());
+    SettingsVisitor::NamedNumbers(setting, values);
+  }
   void Group(const Setting& setting,
              const std::function<void(controller::SettingsVisitor&)>& visit) override {
     Key(setting);
@@ -90,6 +98,15 @@ class SettingsHash final : public controller::SettingsVisitor {
   Hash hash_;
 };
 
+/// A text that no other run of Gauntlet has: what is known by it is not found again.
+const std::string& OnlyOnce() {
+  static const std::string kOnce = [] {
+    std::random_device source;
+    return fmt::format("{:x} {:x} {:x} {:x}", source(), source(), source(), source());
+  }();
+  return kOnce;
+}
+
 }  // namespace
 
 std::string SharedSettings(const Study& study) {
@@ -121,6 +138,10 @@ std::string HashOfSettings(const NamedController& controller) {
   SettingsHash hash;
   hash.Text(settings.name);
   settings.Visit(hash);
+  if (HasPrograms(controller.config)) {
+    hash.Text(HashOfPrograms(controller.config));
+    if (!IsDeterministic(controller.config)) hash.Text(OnlyOnce());
+  }
   return hash.Result();
 }
 

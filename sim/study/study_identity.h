@@ -26,7 +26,8 @@ std::string SharedSettings(const Study& study);
 /// the program itself: another build may compute other bytes.
 std::string HashOfStudy(const Study& study);
 
-/// Hash of all settings of a controller and of its name.
+/// Hash of all settings of a controller, of its name, and of the files of its programs. With a
+/// program that is not said to be deterministic, no other run of Gauntlet has the same.
 std::string HashOfSettings(const NamedController& controller);
 
 /// All of these of a study. Costs milliseconds: once per study, not per file that is opened.

@@ -9,6 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/threads.h"
+#include "sim/external/external_filters.h"
 #include "sim/score/no_score.h"
 #include "sim/study/repeats.h"
 #include "sim/study/study_room.h"
@@ -236,7 +237,9 @@ class StudyRun {
     for (std::size_t i = 0; i < controllers.size(); ++i) {
       if (!Progress(1.0)) throw Cancelled{};
       TrialOutcome& outcome = OutcomeOf(task.seed_index, controllers[i]);
-      outcome.scores = ScoreInPassing(study_, errors[i]);
+      outcome.health = traces[i].health;
+      outcome.scores =
+          outcome.health.ok ? ScoreInPassing(study_, errors[i]) : NoScores(study_.rows);
       outcome.untrusted_samples = std::move(traces[i].untrusted_samples);
       FinishTrial(task.seed_index, controllers[i]);
     }
@@ -273,6 +276,8 @@ class StudyRun {
     if (seed_index == 0 && options_.keep_first_traces) return false;
     auto known = options_.store->Take(result_.seeds[seed_index].seed, controller_index);
     if (!known) return false;
+    const NamedController& named = study_.scenario.controllers[controller_index];
+    if (!known->health.ok && HasPrograms(named.config)) return false;  // it may go well now
     const bool has_causes =
         std::isfinite(known->scores.summary[TrackingErrorParts().back().metric]);
     if (WantsCauses(seed_index) && known->health.ok && !has_causes) return false;

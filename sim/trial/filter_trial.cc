@@ -8,6 +8,7 @@
 #include "controller/periodic_clock.h"
 #include "controller/sample_guard.h"
 #include "sim/base/stop.h"
+#include "sim/external/external_filters.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -184,8 +185,8 @@ class FilterTrial {
   std::size_t steps_ = 0;  // its place among those of all trials
 };
 
-controller::RobotConfig RobotOf(const TrialSetup& setup) {
-  return {.controller = setup.controller,
+controller::RobotConfig RobotOf(const TrialSetup& setup, const TrialPrograms& programs) {
+  return {.controller = programs.config(),
           .glove = setup.calibration,
           .hand = setup.hand->transmission(),
           .joint_map = setup.joint_map,
@@ -214,9 +215,11 @@ std::vector<Trace> RunFilterTrials(std::span<const TrialSetup> setups, const Glo
                                    const SeeAngles& see) {
   GAUNTLET_ASSERT(glove.counts.cols() == std::ssize(glove.channel_names));
   std::vector<FilterSteps> steps;
+  std::vector<TrialPrograms> programs;
   std::vector<FilterTrial> trials;
   for (const TrialSetup& setup : setups) {
-    const controller::RobotConfig robot = RobotOf(setup);
+    programs.emplace_back(setup.controller);
+    const controller::RobotConfig robot = RobotOf(setup, programs.back());
     FilterTrial& trial = trials.emplace_back(
         robot, controller::JointMap(setup.joint_map, glove.channel_names, robot.hand));
     const auto known = std::ranges::find_if(steps, [&](const FilterSteps& those) {
@@ -235,11 +238,13 @@ std::vector<Trace> RunFilterTrials(std::span<const TrialSetup> setups, const Glo
       see(i, trials[i].Run(steps[trials[i].steps()], block.ticks, angles));
     }
   }
+  ThrowIfStopped();  // which also ends a program's wait
   std::vector<Trace> traces(setups.size());
   for (std::size_t i = 0; i < setups.size(); ++i) {
     traces[i].controller_name = setups[i].controller_name;
     const auto untrusted = steps[trials[i].steps()].guard().untrusted_samples();
     traces[i].untrusted_samples.assign(untrusted.begin(), untrusted.end());
+    if (!programs[i].ok()) traces[i].health = {.ok = false, .problem = programs[i].problem()};
   }
   return traces;
 }

@@ -5,6 +5,7 @@
 #include "controller/assert.h"
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
+#include "sim/external/external_filters.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_recorder.h"
 
@@ -25,7 +26,8 @@ void StepLoop(const GloveSignal& glove, Eigen::Index tick, std::vector<double>& 
 Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove, const TrialOptions& options) {
   GAUNTLET_ASSERT(glove.true_angle_rad.rows() > 0);
   GAUNTLET_ASSERT(glove.counts.cols() == std::ssize(glove.channel_names));
-  HandLoop loop(setup.controller, setup.calibration, setup.joint_map, setup.hand, setup.links);
+  const TrialPrograms programs(setup.controller);
+  HandLoop loop(programs.config(), setup.calibration, setup.joint_map, setup.hand, setup.links);
   const controller::JointMap joint_map(setup.joint_map, glove.channel_names,
                                        setup.hand->transmission());
   const Signal start = JointAngles(joint_map, glove.true_angle_rad.topRows(1)).transpose();
@@ -43,12 +45,17 @@ Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove, const TrialOpt
     StepLoop(glove, tick, counts, loop);
     if (!loop.hand().health().ok) break;  // the engine has put the joints back to 0
     const bool is_asked = recorder.Record(loop) && options.keep_going;
+    if (!programs.ok()) break;
     if (is_asked && !options.keep_going()) throw Cancelled{};
   }
   recorder.Finish();
   const auto untrusted = loop.controller().untrusted_samples();
   trace.untrusted_samples.assign(untrusted.begin(), untrusted.end());
   trace.health = loop.hand().health();
+  if (trace.health.ok && !programs.ok()) {
+    ThrowIfStopped();  // which also ends a program's wait
+    trace.health = {.ok = false, .problem = programs.problem()};
+  }
   return trace;
 }
 

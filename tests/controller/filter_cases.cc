@@ -61,6 +61,20 @@ std::vector<FilterCase> FilterCases() {
   }
   add("savitzky_golay_cubic", SavitzkyGolayConfig{.window = 40, .order = 3});
   add("one_euro_tuned", OneEuroConfig{.beta = 0.01});
+  add("jerk_limit_slow",
+      JerkLimitConfig{
+          .max_velocity_per_s = 3e3, .max_acceleration_per_s2 = 5e4, .max_jerk_per_s3 = 2e6});
+  const auto add_by_channel = [&cases](const char* name, FilterSettings settings, const char* key,
+                                       double first, double step) {
+    std::vector<double> values;
+    for (int i = 0; i < 18; ++i) values.push_back(first + step * i);
+    cases.push_back({name, {std::move(settings), {}, {{key, std::move(values)}}}});
+  };
+  add_by_channel("exponential_by_channel", ExponentialConfig{}, "alpha", 0.05, 0.03);
+  add_by_channel("moving_average_by_channel", MovingAverageConfig{}, "window", 1.0, 3.0);
+  add_by_channel("one_euro_by_channel", OneEuroConfig{}, "min_cutoff_hz", 0.5, 0.5);
+  add_by_channel("kalman_by_channel", KalmanConfig{.noise = {.q = {1e-4}}}, "acceleration_window",
+                 3.0, 2.0);
   return cases;
 }
 

@@ -291,7 +291,11 @@ void ExpectSaneCommands(const GloveConfig& config, const controller::FilterConfi
   controller::ControllerConfig settings;
   settings.filters = {filter};
   settings.filter_on = filter_on;
-  if (filter_on == controller::FilterOn::kAngle) {  // the default is the paper's, in counts
+  if (filter_on == controller::FilterOn::kAngle) {  // the defaults are in counts
+    if (auto* limits = std::get_if<controller::JerkLimitConfig>(&settings.filters[0].settings)) {
+      *limits = {
+          .max_velocity_per_s = 20.0, .max_acceleration_per_s2 = 300.0, .max_jerk_per_s3 = 1e4};
+    }
     std::visit(
         [](auto& kind) {
           if (auto* r = controller::MeasurementVarianceOf(kind)) *r = {1e-4};

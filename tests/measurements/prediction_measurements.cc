@@ -165,7 +165,8 @@ IdentifiedChain ChainFromTarget() {
                         .angle_deg = trace.hand_angle_rad * kDegPerRad,
                         .motor_deg = {},
                         .columns_ignored = {},
-                        .unit_note = {}};
+                        .unit_note = {},
+                        .episode = {}};
   return MakeIdentifiedChain(log, FitChains(log));
 }
 

@@ -293,6 +293,17 @@ TEST(EmbeddedSettings, RefuseWhatTheEmbeddedFormDoesNotHold) {
   EXPECT_EQ(complaint([](Robot r) { r.controller.filters.push_back({NoFilterConfig{}}); }),
             "controller.filter: has several filters, must be one at most in the embedded form");
   EXPECT_EQ(complaint([](Robot r) {
+              r.controller.filters = {{.settings = ExponentialConfig{}, .channels = {"1"}}};
+            }),
+            "controller.filter[0].channels: is given, must be absent in the embedded form");
+  EXPECT_EQ(
+      complaint([](Robot r) {
+        const std::size_t channels = r.glove.channel_names.size();
+        r.controller.filters = {{.settings = ExponentialConfig{},
+                                 .per_channel = {{"alpha", std::vector<double>(channels, 0.5)}}}};
+      }),
+      "controller.filter[0].alpha: is a list, must be one value in the embedded form");
+  EXPECT_EQ(complaint([](Robot r) {
               r.controller.filters = {{KalmanSteadyConfig{.start = Start::kZero}}};
             }),
             "controller.filter[0].start: is zero, must be first in the embedded form");

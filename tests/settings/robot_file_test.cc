@@ -111,6 +111,43 @@ TEST_F(RobotFileTest, GivesBackEveryValue) {
   EXPECT_EQ(read.timing.event_period_ms, robot.timing.event_period_ms);
 }
 
+/// The finger with a filter of one channel, and one with lists.
+RobotConfig FingerWithFiltersByChannel() {
+  RobotConfig robot = Finger();
+  robot.controller.filters = {
+      {.settings = controller::MovingAverageConfig{}, .channels = {"b"}},
+      {.settings = controller::OneEuroConfig{}, .per_channel = {{"beta", {0.1, 1.0 / 3.0}}}},
+      {.settings = controller::MedianConfig{}, .per_channel = {{"window", {3.0, 5.0}}}}};
+  return robot;
+}
+
+TEST_F(RobotFileTest, GivesBackFiltersByChannel) {
+  const RobotConfig robot = FingerWithFiltersByChannel();
+  const RobotConfig read = Read(ToYaml(robot));
+  EXPECT_EQ(Values(read), Values(robot));
+  EXPECT_THAT(Values(read), HasSubstr("channels: [b]"));
+  EXPECT_EQ(read.controller.filters[1].per_channel[0].values[1], 1.0 / 3.0);
+  EXPECT_EQ(read.controller.filters[2].per_channel[0].values[1], 5.0);
+  std::string text = ToYaml(robot);
+  const auto complaint = [&](const std::string& from, const std::string& to) {
+    std::string wrong = text;
+    const std::size_t place = wrong.find(from);
+    EXPECT_NE(place, std::string::npos) << from;
+    try {
+      Read(wrong.replace(place, from.size(), to));
+    } catch (const UserError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no complaint");
+  };
+  EXPECT_THAT(complaint("[3, 5]", "[3]"), HasSubstr("no complaint"));
+  EXPECT_THAT(complaint("[3, 5]", "[3, 5, 7]"), HasSubstr("window: has 3 values, must have 1 for"));
+  EXPECT_THAT(complaint("[3, 5]", "[3, 5.5]"), HasSubstr("window: has 5.5, must have whole"));
+  EXPECT_THAT(complaint("[3, 5]", "[3, 0]"), HasSubstr("window[1]: is 0, must be from 1"));
+  EXPECT_THAT(complaint("channels: [b]", "channels: [c]"),
+              HasSubstr("channels: has c, must have channels (a, b)"));
+}
+
 TEST_F(RobotFileTest, AHandWithAMotorPerJointSaysWhichIsForWhich) {
   RobotConfig robot = Finger();
   robot.hand.motor_of_joint.clear();
@@ -221,7 +258,10 @@ TEST(RobotText, GivesBackEveryValueOfEveryKind) {
         robot.controller.filters.back().settings);
     EXPECT_EQ(Values(controller::RobotFromText(ToText(robot))), Values(robot)) << kind.name;
   }
-  RobotConfig robot = Finger();
+  RobotConfig robot = FingerWithFiltersByChannel();
+  EXPECT_EQ(Values(controller::RobotFromText(ToText(robot))), Values(robot));
+  EXPECT_THAT(ToText(robot), HasSubstr("window = 2 3 5"));
+  robot = Finger();
   robot.glove.channel_names = {"=#\"\\ \t\n7", "\303\244 9\r"};
   robot.joint_map.joints.clear();
   EXPECT_EQ(Values(controller::RobotFromText(ToText(robot))), Values(robot));

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "controller/controller_config.h"
+
+namespace gauntlet::sim {
+
+/// The consent of the person at the command line, --allow-programs: from now on, trials may run the
+/// programs that scenarios name. No file can give it.
+void AllowPrograms();
+
+/// True if the controller has a filter that is a program.
+bool HasPrograms(const controller::ControllerConfig& config);
+/// True if all its programs, if there are any, are said to be deterministic.
+bool IsDeterministic(const controller::ControllerConfig& config);
+
+/// Finds what is wrong with the programs of a controller, and starts none.
+/// Errors: SettingError `filter[i].command` without the consent, and for one that is not there.
+void CheckPrograms(const controller::ControllerConfig& config);
+/// The controller with `none` in place of its programs.
+controller::ControllerConfig WithoutPrograms(controller::ControllerConfig config);
+/// The files that decide what its programs do, as far as they are there.
+std::vector<std::filesystem::path> ProgramFiles(const controller::ControllerConfig& config);
+/// A hash of the files that decide what its programs do; empty without programs.
+/// Errors: SettingError, RunError.
+std::string HashOfPrograms(const controller::ControllerConfig& config);
+
+/// The programs of one trial. Each is started at the filter's first sample, and ends with the
+/// controller that is made of config().
+///
+///     -> {"rate_hz": 1e3, "channel_count": 2, "channels": ["a", "b"], "parameters": {"x": 0.1}}
+///     -> 512,498.25
+///     <- 512,498.25      and so on, a line for a line
+///
+/// A program that fails is not asked again: its filter passes its input on, and ok() is false. The
+/// trial is then no trial of this controller. Units: those of the filter's input.
+class TrialPrograms {
+ public:
+  /// Errors: as CheckPrograms().
+  explicit TrialPrograms(const controller::ControllerConfig& config);
+
+  const controller::ControllerConfig& config() const { return config_; }
+  bool ok() const noexcept { return problem_->empty(); }
+  /// Of the first program that failed: "python3 my_filter.py: .. at sample 100".
+  const std::string& problem() const { return *problem_; }
+
+ private:
+  std::shared_ptr<std::string> problem_;
+  controller::ControllerConfig config_;
+};
+
+}  // namespace gauntlet::sim
