@@ -13,6 +13,7 @@
 #include "sim/base/output_file.h"
 #include "sim/base/stop.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/trial_table/trial_table.h"
 
 // In handlers: system calls and lock-free numbers only.
 static_assert(std::atomic<int>::is_always_lock_free);
@@ -82,10 +83,6 @@ void CatchSignals() {
 }
 
 void EndAtSignals() { at_once = true; }
-
-std::string KeptIn(const std::filesystem::path& file) {
-  return "kept in " + file.string() + ": the same command continues from there";
-}
 
 const std::filesystem::path& KeepsTrials(const std::filesystem::path& file) {
   static std::string kept;  // for the handler, as long as there is one

@@ -60,22 +60,8 @@ struct StudyCommand {
   }
 };
 
-/// The controller of `--controller`. Errors: UserError for a name that the scenario does not have.
-const NamedController& FindController(const Scenario& scenario, const std::string& name);
-
 /// Runs the trials, writes the folder, prints the table, draws the video if asked.
 void RunStudyCommand(const StudyCommand& options);
-
-/// Tells on standard error if a resolved scenario comes from another model of the hand than
-/// `hand`, and what that may change.
-void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand, std::string_view consequence);
-
-/// Says so on standard error where the scenario was resolved on a machine that computes other last
-/// bits: bit for bit means on the same kind of processor.
-void WarnIfOtherMathematics(const MadeWith& made);
-
-/// Names on standard error each recording or other file of a resolved scenario that has changed.
-void WarnIfFilesChanged(const Scenario& scenario);
 
 /// Tells on standard error if an output folder has no manifest, so that its files are not checked.
 void WarnIfUnchecked(const std::string& folder, bool checked);
