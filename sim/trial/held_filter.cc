@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 
 #include "controller/assert.h"
 #include "controller/filters/filter_registry.h"
+#include "controller/filters/vectorise.h"
 #include "controller/number.h"
 #include "controller/settings.h"
 
@@ -36,6 +38,13 @@ Outcome OutcomeAt(double rate_hz, const controller::FilterConfig& config, int ch
     outcome.refusal = error.what();
   }
   return outcome;
+}
+
+/// Number of values that a filter must not get.
+GAUNTLET_VECTORISED std::int64_t CountBad(const double* values, std::size_t count) {
+  std::int64_t bad = 0;
+  for (std::size_t i = 0; i < count; ++i) bad += std::abs(values[i]) <= kLargest ? 0 : 1;
+  return bad;
 }
 
 }  // namespace
@@ -72,7 +81,7 @@ void HeldFilter::StepRows(std::span<const double> input, std::span<double> outpu
   const std::size_t width = values_.size();
   for (std::size_t at = 0; at < input.size();) {
     const std::size_t end = std::min(at + kRows * width, input.size());
-    if (IsPlain(input.subspan(at, end - at))) {
+    if (all_started_ && CountBad(&input[at], end - at) == 0) {
       std::ranges::copy(input.subspan(end - width, width), values_.begin());
       for (; at < end; at += width) {
         filter_->Step(input.subspan(at, width), output.subspan(at, width));
@@ -81,19 +90,6 @@ void HeldFilter::StepRows(std::span<const double> input, std::span<double> outpu
       for (; at < end; at += width) Step(input.subspan(at, width), output.subspan(at, width));
     }
   }
-}
-
-/// Whether every value can go to the filter as it is. Four sums side by side, as one would wait for
-/// its own result.
-bool HeldFilter::IsPlain(std::span<const double> values) const {
-  if (!all_started_) return false;
-  double bad[4] = {};
-  std::size_t i = 0;
-  for (; i + 4 <= values.size(); i += 4) {
-    for (std::size_t k = 0; k < 4; ++k) bad[k] += std::abs(values[i + k]) <= kLargest ? 0.0 : 1.0;
-  }
-  for (; i < values.size(); ++i) bad[0] += std::abs(values[i]) <= kLargest ? 0.0 : 1.0;
-  return bad[0] + bad[1] + bad[2] + bad[3] == 0.0;
 }
 
 bool DependsOnRate(const controller::FilterConfig& config, int channel_count) {

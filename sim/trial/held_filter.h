@@ -30,8 +30,6 @@ class HeldFilter {
   std::size_t held() const { return held_; }
 
  private:
-  bool IsPlain(std::span<const double> values) const;
-
   std::unique_ptr<controller::Filter> filter_;
   std::vector<double> values_;  // the last good ones
   std::vector<bool> started_;   // had a good value

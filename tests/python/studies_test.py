@@ -98,14 +98,22 @@ class Studies(Test):
         self.assertEqual(pathlib.Path("ours/cells.csv").read_bytes(), pathlib.Path("theirs/cells.csv").read_bytes())
 
     def test_identify_and_inspect_say_what_the_program_says(self):
-        program("run", SOURCE / "scenarios/probe_chain.yaml", "--set", "glove.motion.duration_s=6", "--controllers", "raw",
-                "--out", "probe")
-        result = gauntlet.identify("probe")
-        out, _ = program("identify", "probe", "--json", "--out", "chain.yaml")
+        time_s = np.arange(600) / 100
+        command = 40 + 20 * np.sin(2.1 * time_s) + 15 * np.sin(7.3 * time_s + 1) + 5 * np.sin(13 * time_s)
+        answer, angle = [], command[0]
+        for k in range(len(time_s)):  # 50 ms of dead time, then a lag of 60 ms
+            angle += (command[max(k - 5, 0)] - angle) / 6
+            answer.append(angle)
+        noisy = np.round(np.array(answer) + np.random.default_rng(1).normal(0, 0.1, len(answer)), 3)
+        rows = (f"{t:.2f},{c:.3f},{a:.3f}" for t, c, a in zip(time_s, command, noisy))
+        pathlib.Path("log.csv").write_text("time_s,finger_command_deg,finger_deg\n" + "\n".join(rows) + "\n")
+        result = gauntlet.identify("log.csv")
+        out, _ = program("identify", "log.csv", "--json", "--out", "chain.yaml")
         ours, theirs = result.data, json.loads(out)
         self.assertEqual(ours.keys(), theirs.keys())
         self.assertEqual({**ours, "verdict": None}, {**theirs, "verdict": None})
         self.assertTrue(pathlib.Path("chain.yaml").read_text().endswith(result.chain_yaml))
+        self.assertIn("dead_time_ms", result.chain_yaml)
         recording = SOURCE / "scenarios/recordings/sign_glove/letters_v_h_r.csv"
         self.assertEqual(gauntlet.inspect(recording).data, json.loads(program("inspect", recording, "--json")[0]))
 
