@@ -51,6 +51,15 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     return wheel
 
 
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """What pip asks before it builds."""
+    folder = pathlib.Path(metadata_directory, f"{NAME}.dist-info")
+    folder.mkdir()
+    (folder / "METADATA").write_text(METADATA)
+    (folder / "WHEEL").write_text(WHEEL)
+    return folder.name
+
+
 def _cmake(*arguments):
     subprocess.run(["cmake", *map(str, arguments)], check=True, cwd=ROOT)
 

@@ -4,8 +4,8 @@
   cmake --build --preset release --target filter_rows gauntlet_python
   PYTHONPATH=build/release/python /usr/bin/python3 tests/benchmarks/python_filter.py [KIND...]
 
-The two take turns, 10 times 20 runs. A row per kind, of the least disturbed median of 20 [ms]: the filter alone in C++, of the same with missing
-values held in C++, and of Python; overhead of Python over both.
+The two take turns, 10 times 20 runs. A row per kind has the least of ten medians of 20 [ms]: of the filter alone in
+C++, of the same with missing values held in C++, and of Python; then the overhead of Python over both.
 """
 import pathlib
 import statistics
