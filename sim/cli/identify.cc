@@ -149,11 +149,13 @@ void RunIdentify(const IdentifyOptions& options) {
     bar.Update(0, 1);
     return IdentifyHand(std::move(episodes), [&](int done, int all) { bar.Update(done, all); });
   }();
-  const auto& [result, chain, chain_text, servo] = found;
+  const ChainResult& result = found.result;
+  const IdentifiedChain& chain = found.chain;
+  const std::string& servo = found.servo_yaml;
   const ChainLog& log = result.log();
   MakeDirectoryOf(target);
   files.Write([&](const fs::path& place) {
-    WriteOutputFile(place / target.filename(), WithChecksum(chain_text));
+    WriteOutputFile(place / target.filename(), WithChecksum(found.chain_yaml));
     if (!servo.empty()) WriteOutputFile(place / hand.filename(), WithChecksum(servo));
     WriteOutputFile(place / page.filename(), ChainPage(result));
   });
