@@ -83,6 +83,9 @@ function(gauntlet_add_library folder)
   else()
     add_library(gauntlet_${folder} STATIC ${ARG_SOURCES})
   endif()
+  # A part of programs and of the Python module.
+  set_target_properties(gauntlet_${folder} PROPERTIES
+    POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   gauntlet_unite(gauntlet_${folder} ${ARG_APART})
   target_include_directories(gauntlet_${folder} PUBLIC ${GAUNTLET_SOURCE_DIR})
   target_link_libraries(gauntlet_${folder} PUBLIC ${ARG_LIBRARIES} PRIVATE gauntlet_options)

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -14,6 +17,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kVariable = "GAUNTLET_DATA_DIR";
 constexpr const char* kData = "share/gauntlet";
+
+fs::path folder_of_library;  // see SetDataFolder()
 
 /// The folder of GAUNTLET_DATA_DIR; empty if the variable is not set.
 fs::path FolderOfVariable() {
@@ -44,6 +49,10 @@ std::optional<fs::path> Find(const fs::path& name) {
     const fs::path found = fs::canonical(folder / name, missing);
     return missing ? std::nullopt : std::optional(found);
   }
+  if (!folder_of_library.empty()) {
+    const fs::path found = fs::canonical(folder_of_library / name, missing);
+    return missing ? std::nullopt : std::optional(found);
+  }
   for (const fs::path& folder : FoldersOfProgram(kData)) {
     const fs::path found = fs::canonical(folder / name, missing);
     if (!missing) return found;
@@ -52,6 +61,8 @@ std::optional<fs::path> Find(const fs::path& name) {
 }
 
 }  // namespace
+
+void SetDataFolder(const fs::path& folder) { folder_of_library = folder; }
 
 fs::path DataFolder(const std::string& name) {
   if (const auto found = Find(name)) return *found;
@@ -70,6 +81,31 @@ fs::path OwnOrDataFile(const fs::path& file) {
   std::error_code unreadable;
   if (file.is_absolute() || fs::exists(file, unreadable)) return file;
   return Find(file).value_or(file);
+}
+
+std::string ReadyFile(const std::string& given, const std::string& folder,
+                      const std::string& noun) {
+  std::error_code unreadable;
+  const fs::path file = OwnOrDataFile(given);
+  const bool is_name = file == fs::path(given).stem() && !given.empty();
+  if (fs::exists(file, unreadable)) return file.string();
+  if (!is_name) {
+    std::vector<std::string> others;  // x.yaml for x.yml
+    for (const auto* ending : {".yaml", ".yml"}) {
+      const fs::path other = fs::path(given).replace_extension(ending);
+      if (fs::exists(other, unreadable)) others.push_back(other.string());
+    }
+    throw UserError({.place = given, .problem = "no such file" + Suggestion(given, others)});
+  }
+  const fs::path ready = OwnOrDataFile(fs::path(folder) / (given + ".yaml"));
+  if (fs::exists(ready, unreadable)) return ready.string();
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(DataFolder(folder))) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem());
+  }
+  std::ranges::sort(names);
+  throw UserError(
+      {.place = given, .problem = "no such file or " + noun + Suggestion(given, names)});
 }
 
 std::optional<fs::path> DataFile(const fs::path& name) {

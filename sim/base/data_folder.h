@@ -14,9 +14,18 @@ namespace gauntlet::sim {
 /// Errors: UserError if GAUNTLET_DATA_DIR has no such folder, RunError if the program has none.
 std::filesystem::path DataFolder(const std::string& name);
 
+/// Gauntlet's own files are in this folder, unless GAUNTLET_DATA_DIR names another one. For a
+/// library of another program, which does not lie beside that program. To be called before all
+/// others.
+void SetDataFolder(const std::filesystem::path& folder);
+
 /// The file that a user means: `file` if it exists, else Gauntlet's own file of that name. So
 /// scenarios/hold_still.yaml works in every working folder. `file` if neither exists.
 std::filesystem::path OwnOrDataFile(const std::filesystem::path& file);
+
+/// OwnOrDataFile(), or the ready file of this name in `folder` ("scenarios", "studies"). `noun`:
+/// what it is called in messages. Errors: UserError for what is neither, with the nearest name.
+std::string ReadyFile(const std::string& given, const std::string& folder, const std::string& noun);
 
 /// Gauntlet's own file of this name ("scenarios/recordings/a.csv"); none if it does not exist or
 /// the name leads out of Gauntlet's folders.

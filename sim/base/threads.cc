@@ -10,6 +10,10 @@
 
 namespace gauntlet::sim {
 
+int JobsOrCores(int jobs) {
+  return jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
 void RunOnThreads(std::size_t count, const std::function<void()>& work, const FewerThreads& fewer) {
   std::mutex mutex;
   std::exception_ptr error;

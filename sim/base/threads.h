@@ -6,6 +6,9 @@
 
 namespace gauntlet::sim {
 
+/// `jobs`, or the number of processors for 0.
+int JobsOrCores(int jobs);
+
 /// Called if the system starts fewer threads: their number, and the reason.
 using FewerThreads = std::function<void(std::size_t started, const std::string& reason)>;
 

@@ -10,12 +10,14 @@
 #include "sim/base/output_file.h"
 #include "sim/base/signal_storage.h"
 #include "sim/base/text.h"
+#include "sim/base/threads.h"
 #include "sim/cli/interrupt.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/sweep/early_stop.h"
 #include "sim/sweep/sweep_tables.h"
+#include "sim/trial_table/trial_table.h"
 
 namespace gauntlet::sim {
 namespace {

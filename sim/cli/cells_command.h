@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/base/manifest.h"
-#include "sim/cli/output_folder.h"
+#include "sim/base/output_folder.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/terminal_option.h"
 #include "sim/sweep/sweep_result.h"

@@ -23,6 +23,7 @@
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/robot_constants.h"
 #include "sim/settings/robot_file.h"
+#include "sim/study/made_with.h"
 #include "sim/study/prediction_fit.h"
 #include "sim/study/study.h"
 
@@ -187,7 +188,9 @@ void RunExport(const ExportOptions& options) {
   }
   const HandModel hand(scenario.hand, TimingOf(scenario));
   WarnIfUnchecked(options.folder, manifest.exists());
-  WarnIfMadeElsewhere(scenario.made_with, hand, "the file is for the hand as it is now");
+  const std::string elsewhere =
+      MadeElsewhere(scenario.made_with, hand, "the file is for the hand as it is now");
+  if (!elsewhere.empty()) Say("gauntlet: {}\n", elsewhere);
   const std::filesystem::path target = TargetOf(options);
   MakeDirectoryOf(target);
   const controller::RobotConfig robot = RobotOf(scenario, hand, ForRobot(scenario, named.config));

@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,6 +29,7 @@
 #include "sim/recordings/text_forms.h"
 #include "sim/recordings/utf16.h"
 #include "sim/settings/yaml_reader.h"
+#include "sim/trial/held_filter.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -94,35 +94,6 @@ struct StreamFilter {
   }
 };
 
-/// What a filter makes of a few samples at some rate, or why there is none.
-struct Outcome {
-  std::vector<double> values;
-  std::string refusal;
-  bool operator==(const Outcome&) const = default;
-};
-
-Outcome OutcomeAt(double rate_hz, const controller::FilterConfig& config, int channel_count) {
-  constexpr int kSamples = 50;
-  Outcome outcome;
-  try {
-    const auto filter = controller::MakeFilter(config, channel_count, rate_hz);
-    std::vector<double> values(static_cast<std::size_t>(channel_count));
-    for (int k = 0; k < kSamples; ++k) {
-      std::ranges::fill(values, k % 10 < 5 ? 0.0 : k);
-      filter->Step(values, values);
-      outcome.values.insert(outcome.values.end(), values.begin(), values.end());
-    }
-  } catch (const controller::SettingError& error) {
-    outcome.refusal = error.what();
-  }
-  return outcome;
-}
-
-/// Some filters count samples, as a median does; others have cutoffs in Hz.
-bool DependsOnRate(const controller::FilterConfig& config, int channel_count) {
-  return OutcomeAt(10.0, config, channel_count) != OutcomeAt(10e3, config, channel_count);
-}
-
 /// `r=21.18,12.52` is meant as a list: one value for each channel.
 std::string WithList(const std::string& text) {
   const std::size_t equals = text.find('=');
@@ -171,7 +142,7 @@ class FilterStream {
   void ReadRow(std::string_view line, std::size_t row) {
     table_.Read(line, row);
     const bool has_time = clock_ && clock_->Add(table_.Time());
-    if (filter_ != nullptr) {
+    if (filter_) {
       FilterRow();
       return;
     }
@@ -187,7 +158,7 @@ class FilterStream {
 
   /// At the end of the stream.
   void Finish() {
-    if (filter_ == nullptr && !waiting_.empty()) StartAtRateOfClock();
+    if (!filter_ && !waiting_.empty()) StartAtRateOfClock();
     constexpr double kNoticeable = 0.05;
     const double measured_hz = clock_ ? clock_->RateHz() : controller::kNaN;
     if (needs_rate_ && std::abs(measured_hz / rate_hz_ - 1.0) > kNoticeable) {
@@ -195,8 +166,8 @@ class FilterStream {
           "{:.5g} Hz\n",
           measured_hz, rate_hz_);
     }
-    if (missing_ > 0) {
-      Say("gauntlet: {} missing values held at the last good one\n", missing_);
+    if (filter_ && filter_->held() > 0) {
+      Say("gauntlet: {} missing values held at the last good one\n", filter_->held());
     }
   }
 
@@ -217,10 +188,9 @@ class FilterStream {
   void Start(double rate_hz) {
     const std::size_t count = table_.channel_count();
     rate_hz_ = rate_hz;
-    filter_ = controller::MakeFilter(settings_.config, static_cast<int>(count), rate_hz);
+    filter_.emplace(settings_.config, static_cast<int>(count), rate_hz);
     values_.assign(count, 0.0);
     filtered_.assign(count, 0.0);
-    started_.assign(count, false);
   }
 
   void StartAtRateOfClock() {
@@ -244,28 +214,10 @@ class FilterStream {
   }
 
   void FilterRow() {
-    for (std::size_t i = 0; i < values_.size(); ++i) TakeValue(i);
+    for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = table_.Value(i);
     filter_->Step(values_, filtered_);
-    for (std::size_t i = 0; i < values_.size(); ++i) {
-      if (!started_[i]) filtered_[i] = controller::kNaN;
-    }
     PrintText(table_.Written(filtered_));
     CheckOutput();
-  }
-
-  /// A filter gets finite numbers only, and none so large that a sum of them is not: another is
-  /// the last good one again. Before a channel's first good one its filter does not count; it
-  /// starts there.
-  void TakeValue(std::size_t channel) {
-    const double value = table_.Value(channel);
-    constexpr double kLargest = 1e100;
-    if (std::abs(value) <= kLargest) {
-      values_[channel] = value;
-      if (!started_[channel]) filter_->ResetChannel(static_cast<int>(channel));
-      started_[channel] = true;
-    } else {
-      ++missing_;
-    }
   }
 
   struct WaitingRow {
@@ -275,15 +227,13 @@ class FilterStream {
 
   const StreamFilter& settings_;
   StreamTable table_;
-  std::unique_ptr<controller::Filter> filter_;  // none until the rate is known
+  std::optional<HeldFilter> filter_;  // none until the rate is known
   bool needs_rate_ = false;
   double rate_hz_ = controller::kNaN;
   std::optional<RowClock> clock_;
   std::vector<WaitingRow> waiting_;
   std::vector<double> values_;
   std::vector<double> filtered_;
-  std::vector<bool> started_;  // had a good value
-  std::size_t missing_ = 0;
 };
 
 /// The text of standard input, as soon as it comes; UTF-16 as UTF-8.

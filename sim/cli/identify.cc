@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,19 +9,15 @@
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
 #include "sim/base/text.h"
-#include "sim/calibrate/chain_episodes.h"
 #include "sim/calibrate/chain_tables.h"
-#include "sim/calibrate/identified_chain.h"
-#include "sim/calibrate/identified_servo.h"
+#include "sim/calibrate/identified_hand.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
-#include "sim/recordings/file_format.h"
 #include "sim/report/chain_page.h"
-#include "sim/settings/yaml_writer.h"
-#include "sim/trial/trace_reader.h"
+#include "sim/trial/hand_log.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -108,52 +102,6 @@ Example:
 
 namespace fs = std::filesystem;
 
-/// One controller of a trace, the whole hand.
-ChainLog LogOfTrace(const fs::path& file, const IdentifyOptions& options) {
-  std::vector<std::string> only;
-  if (!options.controller.empty()) only = {options.controller};
-  const TraceFile trace_file = ReadTraceFile(file, {.only = only});
-  if (trace_file.traces.empty()) {
-    throw UserError({.place = file.string(),
-                     .problem = options.controller.empty()
-                                    ? "holds no controller"
-                                    : "holds no controller " + Shown(options.controller)});
-  }
-  const Trace& trace = trace_file.traces.front();
-  const bool from_wearer = options.from == "wearer";
-  if (!from_wearer && trace.target_angle_rad.cols() == 0) {
-    throw UserError({.place = file.string(), .problem = "is too old: it holds no targets"});
-  }
-  const Signal& command = from_wearer ? trace_file.reference_angle_rad : trace.target_angle_rad;
-  const Eigen::Index ticks = trace.hand_angle_rad.rows();
-  ChainLog log;
-  log.name = OneLine(file.string());
-  log.parts = trace_file.joint_names;
-  log.rate_hz = trace_file.tick_rate_hz;
-  log.from_wearer = from_wearer;
-  log.command_deg = command.topRows(ticks) * kDegPerRad;
-  log.angle_deg = trace.hand_angle_rad * kDegPerRad;
-  return log;
-}
-
-ChainEpisodes LoadLogs(const IdentifyOptions& options) {
-  const fs::path path = options.log;
-  const bool is_output = fs::is_directory(path) && DataSetFiles(path).empty();
-  const fs::path trace = is_output ? path / "trace.h5" : path;
-  if (trace.extension() == ".h5" && options.array.empty()) {
-    return {.logs = {LogOfTrace(trace, options)}, .left_out = {}};
-  }
-  if (!options.controller.empty()) {
-    throw UserError({.place = "--controller " + options.controller,
-                     .problem = "is for an output folder or its trace.h5, a CSV has but one"});
-  }
-  return LoadChainEpisodes(
-      path, {.array = options.array,
-             .map = options.map,
-             .unit = options.unit,
-             .episode = options.episode < 0 ? std::nullopt : std::optional(options.episode)});
-}
-
 fs::path TargetOf(const IdentifyOptions& options) {
   if (options.out.empty()) {
     fs::path log = options.log;
@@ -177,24 +125,18 @@ fs::path BesideTarget(fs::path target, const std::string& ending) {
   return target += ending;
 }
 
-ChainResult FitWithProgress(ChainEpisodes episodes) {
-  Progress bar("gauntlet identify");
-  bar.Update(0, 1);
-  return IdentifyChain(std::move(episodes), [&](int done, int all) { bar.Update(done, all); });
-}
-
-std::string ServoWithProgress(const ChainLog& log) {
-  Progress bar("gauntlet identify: servo");
-  bar.Update(0, 1);
-  return ServoSettingsText(log, HandModel(HandConfig()),
-                           [&](int done, int trials) { bar.Update(done, trials); });
-}
-
 void RunIdentify(const IdentifyOptions& options) {
   const fs::path target = TargetOf(options);
   const fs::path hand = BesideTarget(target, ".hand.yaml");
   const fs::path page = BesideTarget(target, ".html");
-  ChainEpisodes episodes = LoadLogs(options);
+  ChainEpisodes episodes = LoadHandLog(
+      options.log,
+      {.controller = options.controller,
+       .from_wearer = options.from == "wearer",
+       .table = {.array = options.array,
+                 .map = options.map,
+                 .unit = options.unit,
+                 .episode = options.episode < 0 ? std::nullopt : std::optional(options.episode)}});
   OutputFiles files({.folder = target.parent_path(),
                      .command = "identify",
                      .manifest = BesideTarget(target, ".manifest.json").filename(),
@@ -202,26 +144,18 @@ void RunIdentify(const IdentifyOptions& options) {
                      .editable = {target.filename(), hand.filename()},
                      .force = options.force});
   for (ChainLog& episode : episodes.logs) episode.held = options.held;
-  const ChainResult result = FitWithProgress(std::move(episodes));
-  const std::vector<ChainFit>& fits = result.fits;
+  const IdentifiedHand found = [&] {
+    Progress bar("gauntlet identify");
+    bar.Update(0, 1);
+    return IdentifyHand(std::move(episodes), [&](int done, int all) { bar.Update(done, all); });
+  }();
+  const ChainResult& result = found.result;
+  const IdentifiedChain& chain = found.chain;
+  const std::string& servo = found.servo_yaml;
   const ChainLog& log = result.log();
-  IdentifiedChain chain = MakeIdentifiedChain(log, fits);
-  // The servo is fitted to what most parts do.
-  const auto limited = std::ranges::count_if(
-      fits, [](const ChainFit& fit) { return std::isfinite(fit.speed_limit_deg_s.value); });
-  const bool is_limited = 2 * limited > std::ssize(fits);
-  const std::string servo =
-      log.from_wearer || !log.unit_known || is_limited ? "" : ServoWithProgress(log);
-  const std::string chain_text =
-      "# Made by gauntlet identify. horizon_ms is for the prediction of a controller, "
-      "expected_delay_ms\n# and friction_deg are for its joint_loop, dead_time_ms, lag_ms and "
-      "natural_frequency_hz (of a log\n# that begins with commands) for its model_predictive; in "
-      "the order of parts.\n# " +
-      WhatHysteresisIs(fits) + "\n" +
-      SettingsToYaml([&chain](controller::SettingsVisitor& visitor) { chain.Visit(visitor); });
   MakeDirectoryOf(target);
   files.Write([&](const fs::path& place) {
-    WriteOutputFile(place / target.filename(), WithChecksum(chain_text));
+    WriteOutputFile(place / target.filename(), WithChecksum(found.chain_yaml));
     if (!servo.empty()) WriteOutputFile(place / hand.filename(), WithChecksum(servo));
     WriteOutputFile(place / page.filename(), ChainPage(result));
   });

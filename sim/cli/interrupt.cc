@@ -13,6 +13,7 @@
 #include "sim/base/output_file.h"
 #include "sim/base/stop.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/trial_table/trial_table.h"
 
 // In handlers: system calls and lock-free numbers only.
 static_assert(std::atomic<int>::is_always_lock_free);
@@ -89,10 +90,6 @@ EndsAtSecondSignal::EndsAtSecondSignal() { has_time = true; }
 EndsAtSecondSignal::~EndsAtSecondSignal() {
   stop_signal = 0;
   has_time = false;
-}
-
-std::string KeptIn(const std::filesystem::path& file) {
-  return "kept in " + file.string() + ": the same command continues from there";
 }
 
 const std::filesystem::path& KeepsTrials(const std::filesystem::path& file) {

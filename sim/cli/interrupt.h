@@ -31,9 +31,6 @@ class EndsAtSecondSignal {
   EndsAtSecondSignal& operator=(const EndsAtSecondSignal&) = delete;
 };
 
-/// "kept in FILE: the same command goes on from there".
-std::string KeptIn(const std::filesystem::path& file);
-
 /// A signal that ends the program at once says besides that `file` keeps finished trials. To be
 /// called once, before the file is made. Returns `file`.
 const std::filesystem::path& KeepsTrials(const std::filesystem::path& file);

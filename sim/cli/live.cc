@@ -14,11 +14,11 @@
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
 #include "sim/base/output_file.h"
+#include "sim/base/output_folder.h"
 #include "sim/base/signal_storage.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/interrupt.h"
 #include "sim/cli/live_files.h"
-#include "sim/cli/output_folder.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
@@ -205,7 +205,7 @@ void RunLiveCommand(const LiveCommand& command) {
   if (drives_motors) CheckMotors(command, scenario);
   const std::string out = command.out.empty() ? "out/" + scenario.name + "_live" : command.out;
   SetSignalFolder(out);
-  const Study study = PrepareStudyOf(source, std::move(scenario));
+  const Study study = PrepareStudy(source, std::move(scenario));
   LiveSetup setup{.trial = SetupOf(study, study.scenario.controllers.front(), study.scenario.seed)};
   const LinksConfig wanted = setup.trial.links.config;
   for (std::size_t i = 1; i < study.scenario.controllers.size(); ++i) {

@@ -10,9 +10,10 @@
 
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
+#include "sim/base/output_folder.h"
 #include "sim/base/signal_storage.h"
+#include "sim/base/threads.h"
 #include "sim/cli/commands.h"
-#include "sim/cli/output_folder.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"

@@ -1,12 +1,6 @@
 #include "sim/cli/shared_options.h"
 
-#include <algorithm>
-#include <filesystem>
-#include <thread>
-
 #include "sim/base/data_folder.h"
-#include "sim/base/error.h"
-#include "sim/base/nearest_name.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -19,32 +13,6 @@ std::string ProblemOfPath(const std::string& path) {
 
 Option Argument(std::string name, std::string* variable, Offer offer, std::string help) {
   return Option(std::move(name), variable, {.offer = offer, .required = true}, std::move(help));
-}
-
-std::string ReadyFile(const std::string& given, const std::string& folder,
-                      const std::string& noun) {
-  namespace fs = std::filesystem;
-  std::error_code unreadable;
-  const fs::path file = OwnOrDataFile(given);
-  const bool is_name = file == fs::path(given).stem() && !given.empty();
-  if (fs::exists(file, unreadable)) return file.string();
-  if (!is_name) {
-    std::vector<std::string> others;  // x.yaml for x.yml
-    for (const auto* ending : {".yaml", ".yml"}) {
-      const fs::path other = fs::path(given).replace_extension(ending);
-      if (fs::exists(other, unreadable)) others.push_back(other.string());
-    }
-    throw UserError({.place = given, .problem = "no such file" + Suggestion(given, others)});
-  }
-  const fs::path ready = OwnOrDataFile(fs::path(folder) / (given + ".yaml"));
-  if (fs::exists(ready, unreadable)) return ready.string();
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(DataFolder(folder))) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem());
-  }
-  std::ranges::sort(names);
-  throw UserError(
-      {.place = given, .problem = "no such file or " + noun + Suggestion(given, names)});
 }
 
 std::string ScenarioFile(const std::string& given) {
@@ -71,10 +39,6 @@ Option ControllersOption(std::vector<std::string>& names) {
 
 Option JobsOption(int& jobs) {
   return Option("--jobs", &jobs, {.range = {1, 1024}}, "trials at a time [number of cores]");
-}
-
-int JobsOrCores(int jobs) {
-  return jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 Option AllowProgramsOption(bool& allow) {

@@ -14,15 +14,12 @@ Option ScenarioArgument(std::string& file);
 /// The file that a user means: one that is there, or a ready scenario, also by its name alone.
 /// Errors: UserError for a name that no scenario has.
 std::string ScenarioFile(const std::string& given);
-/// The same for another folder of ready files: "studies", with the noun "study".
-std::string ReadyFile(const std::string& given, const std::string& folder, const std::string& noun);
 /// Changes values of a scenario.
 Option SetOption(std::vector<std::string>& overrides, const std::string& help);
 /// Only these of the scenario.
 Option ControllersOption(std::vector<std::string>& names);
 /// How many trials run at a time; 0, its default, is one per core.
 Option JobsOption(int& jobs);
-int JobsOrCores(int jobs);
 /// The consent that trials run the programs that the scenario names: see AllowPrograms().
 Option AllowProgramsOption(bool& allow);
 /// A folder, or a file: `value` is its name in --help. An empty `out` has no default there: the

@@ -64,30 +64,12 @@ struct StudyCommand {
   }
 };
 
-/// The controller of `--controller`. Errors: UserError for a name that the scenario does not have.
-const NamedController& FindController(const Scenario& scenario, const std::string& name);
-
-/// Builds everything that the scenario names. Errors: UserError with the place in the scenario,
-/// unless it has a place of its own: a model, a recording.
-Study PrepareStudyOf(const ScenarioSource& source, Scenario scenario);
-
 /// Checks the programs of these controllers of a scenario, of all if none is named, before many
 /// settings of it are tried. Errors: UserError, as without the consent to run them.
 void CheckProgramsOf(const ScenarioSource& source, const std::vector<std::string>& controllers);
 
 /// Runs the trials, writes the folder, prints the table, draws the video if asked.
 void RunStudyCommand(const StudyCommand& options);
-
-/// Tells on standard error if a resolved scenario comes from another model of the hand than
-/// `hand`, and what that may change.
-void WarnIfMadeElsewhere(const MadeWith& made, const HandModel& hand, std::string_view consequence);
-
-/// Says so on standard error where the scenario was resolved on a machine that computes other last
-/// bits: bit for bit means on the same kind of processor.
-void WarnIfOtherMathematics(const MadeWith& made);
-
-/// Names on standard error each recording or other file of a resolved scenario that has changed.
-void WarnIfFilesChanged(const Scenario& scenario);
 
 /// Tells on standard error if an output folder has no manifest, so that its files are not checked.
 void WarnIfUnchecked(const std::string& folder, bool checked);

@@ -7,6 +7,7 @@
 #include <array>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -155,6 +156,14 @@ ScoreFile ParseScoresCsv(const std::string& name, std::string_view text) {
     for (std::size_t m = 0; m < row.values.size(); ++m) controller[m][seed] = row.values[m];
   }
   return file;
+}
+
+bool HoldsComparison(const std::filesystem::path& folder) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(folder / "scores.json", unreadable)) return false;
+  std::ifstream file(folder / "scores.json");
+  const auto scores = nlohmann::json::parse(file, nullptr, false);
+  return scores.is_object() && scores.contains("seeds");
 }
 
 StudyFolder ReadStudyFolder(const std::filesystem::path& folder) {

@@ -9,8 +9,8 @@ namespace gauntlet::sim {
 /// The way of frames from a sender to a receiver.
 struct TransportConfig {
   std::size_t preset = 0;  // in LinkPresets(): what the settings below begin with
-  DelayConfig delay;
-  LossConfig loss;
+  DelayConfig delay = {};
+  LossConfig loss = {};
   double frame_ms = 0.0;  // for which a frame occupies the link
   double batch_ms = 0.0;
   double duplicates_percent = 0.0;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
+#include <string_view>
 #include <tuple>
 
 #include "sim/comparison/comparison_verdict.h"
@@ -102,8 +103,19 @@ std::string SaidOf(const std::vector<FrontPoint>& points) {
   return said;
 }
 
+/// The rules of assets/page.css for this figure.
+constexpr const char* kFileStyle = R"(svg{background:var(--ground)}
+text{fill:var(--muted);font:12.5px system-ui,"DejaVu Sans",sans-serif}
+.grid{stroke:var(--line)}.axis{stroke:var(--muted)}
+.point{fill:var(--series);stroke:var(--ground);stroke-width:1.5}
+.dominated{fill:var(--ground);stroke:var(--series);stroke-width:2}
+.label{fill:var(--ink);font-size:13px;font-weight:500}.faint{fill:var(--muted);font-weight:400}
+.band{fill:var(--accent);opacity:.1}.band-name{fill:var(--accent)}
+.front-line{fill:none;stroke:var(--muted);stroke-dasharray:2 4}
+)";
+
 std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, double width_px,
-                    double height_px) {
+                    double height_px, std::string_view style_sheet = {}) {
   Figure figure{width_px, height_px, kind, SaidOf(points)};
   Extent delay = {0.0, 145.0}, jitter = {0.0, 1e-3};  // at least
   for (const FrontPoint& point : points) {
@@ -132,7 +144,7 @@ std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, dou
     figure.Dot(places[i], kPointRadius, InkOfSeries(points[i].series, css));
   }
   AddNames(figure, panel.area(), points, places);
-  return SvgOf(figure);
+  return SvgOf(figure, style_sheet);
 }
 
 }  // namespace
@@ -143,6 +155,13 @@ std::string ControllersFront(const Summary& summary) {
     return "<p class=\"note\">The wearer did not move, so there is no delay to draw.</p>\n";
   }
   return FrontOf(points, "wide", 640.0, 320.0) + FrontOf(points, "narrow", 360.0, 215.0);
+}
+
+std::string ControllersFrontFile(const Summary& summary) {
+  const std::vector<FrontPoint> points = PointsOf(summary);
+  if (points.empty()) return {};
+  return FrontOf(points, "wide", 640.0, 320.0,
+                 fmt::format("<style>{}{}</style>", PaletteCss(), kFileStyle));
 }
 
 }  // namespace gauntlet::sim

@@ -169,6 +169,15 @@ void CheckControllerNames(const std::vector<std::string>& names, const Scenario&
   }
 }
 
+const NamedController& FindController(const Scenario& scenario, const std::string& name) {
+  const auto found = std::ranges::find(scenario.controllers, name, &NamedController::name);
+  if (found != scenario.controllers.end()) return *found;
+  std::vector<std::string> names;
+  for (const NamedController& controller : scenario.controllers) names.push_back(controller.name);
+  throw UserError(
+      {.place = "--controller " + name, .problem = "unknown controller" + Suggestion(name, names)});
+}
+
 std::string KeepControllers(const std::vector<std::string>& names, Scenario& scenario) {
   CheckControllerNames(names, scenario);
   if (names.empty()) return {};

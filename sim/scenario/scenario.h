@@ -101,6 +101,9 @@ std::optional<std::size_t> BaselineOf(const Scenario& scenario);
 /// Errors: UserError for a name that the scenario does not have, or that is given twice.
 void CheckControllerNames(const std::vector<std::string>& names, const Scenario& scenario);
 
+/// The controller of `--controller`. Errors: UserError for a name that the scenario does not have.
+const NamedController& FindController(const Scenario& scenario, const std::string& name);
+
 /// Leaves only these controllers, in this order; for no names, all. Returns the baseline that the
 /// scenario names if it is not among them: then the rule for scenarios that name none decides.
 /// Errors: as CheckControllerNames().

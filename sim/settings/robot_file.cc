@@ -96,7 +96,11 @@ std::string RobotToYaml(const RobotConfig& robot, const RobotOrigin& origin) {
 }
 
 RobotConfig LoadRobot(const std::filesystem::path& file) {
-  const YamlNode root = ParseYamlFile(file);
+  return ParseRobot(file, ReadYamlText(file));
+}
+
+RobotConfig ParseRobot(const std::filesystem::path& file, std::string_view text) {
+  const YamlNode root = ParseYaml(file, text);
   const YamlSource source{.file = file, .overrides = {}};
   RobotConfig robot;
   ReadAll(root, source, robot);

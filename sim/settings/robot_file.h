@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "controller/controller_config.h"
 
@@ -27,5 +28,7 @@ std::string RobotToYaml(const controller::RobotConfig& robot, const RobotOrigin&
 /// Errors: UserError with file:line:column and key for what is unknown, given twice, missing, of a
 /// wrong type, out of range, or does not fit to the rest.
 controller::RobotConfig LoadRobot(const std::filesystem::path& file);
+/// The same of the text of a file.
+controller::RobotConfig ParseRobot(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace gauntlet::sim

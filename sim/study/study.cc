@@ -362,4 +362,17 @@ Study PrepareStudy(Scenario scenario) {
   return study;
 }
 
+Study PrepareStudy(const ScenarioSource& source, Scenario scenario) {
+  try {
+    return PrepareStudy(std::move(scenario));
+  } catch (const controller::SettingError& error) {
+    throw AtPlace(PlaceOfSetting(source, error.key()), error);
+  } catch (const UserError& error) {
+    if (!error.place().empty()) throw;
+    throw UserError({.place = PlaceOfSetting(source, error.key()),
+                     .key = error.key(),
+                     .problem = error.problem()});
+  }
+}
+
 }  // namespace gauntlet::sim

@@ -287,7 +287,12 @@ std::vector<std::string> SweepPlan::OverridesOf(std::int64_t cell) const {
 }
 
 SweepPlan LoadSweepPlan(const std::filesystem::path& path, const SweepOverrides& overrides) {
-  const YamlNode root = ParseYamlFile(path);
+  return ParseSweepPlan(path, ReadYamlText(path), overrides);
+}
+
+SweepPlan ParseSweepPlan(const std::filesystem::path& path, std::string_view text,
+                         const SweepOverrides& overrides) {
+  const YamlNode root = ParseYaml(path, text);
   const YamlSource source{.file = path};
   SweepPlan plan;
   SweepFile& file = plan.file;

@@ -92,6 +92,9 @@ struct SweepOverrides {
 /// a file there. Errors: UserError with the place in the file for what is unknown, missing or empty
 /// or contradictory; also for an axis of which no value can be built.
 SweepPlan LoadSweepPlan(const std::filesystem::path& file, const SweepOverrides& overrides = {});
+/// The same of the text of a file.
+SweepPlan ParseSweepPlan(const std::filesystem::path& file, std::string_view text,
+                         const SweepOverrides& overrides = {});
 
 /// Cells from `first` to before `end`.
 struct CellRange {

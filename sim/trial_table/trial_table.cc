@@ -36,6 +36,10 @@ void Bind(const TrialKey& key, SQLite::Statement& statement) {
   statement.bind(4, key.seed);
 }
 
+std::string KeptIn(const std::filesystem::path& file) {
+  return "kept in " + file.string() + ": the same command continues from there";
+}
+
 TrialTable::TrialTable(fs::path file, TrialTableOptions options)
     : file_(std::move(file)), options_(std::move(options)) {
   std::error_code ignored;

@@ -20,6 +20,9 @@
 
 namespace gauntlet::sim {
 
+/// "kept in FILE: the same command continues from there".
+std::string KeptIn(const std::filesystem::path& file);
+
 /// The parts of a trial that a database keeps, and how it treats its file.
 struct TrialTableOptions {
   std::string_view kept_for;               // "comparison"; for messages

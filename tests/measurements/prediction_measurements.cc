@@ -159,14 +159,14 @@ IdentifiedChain ChainFromTarget() {
   const Trace trace =
       RunTrial(SetupOf(probe, probe.scenario.controllers.front(), probe.scenario.seed), glove);
   const ChainLog log = {.name = "probe_chain",
+                        .episode = {},
                         .parts = probe.hand->joint_names(),
                         .rate_hz = probe.hand->timing().tick_rate_hz(),
                         .command_deg = trace.target_angle_rad * kDegPerRad,
                         .angle_deg = trace.hand_angle_rad * kDegPerRad,
                         .motor_deg = {},
                         .columns_ignored = {},
-                        .unit_note = {},
-                        .episode = {}};
+                        .unit_note = {}};
   return MakeIdentifiedChain(log, FitChains(log));
 }
 

@@ -1,4 +1,4 @@
-#include "sim/cli/output_folder.h"
+#include "sim/base/output_folder.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,0 +1,235 @@
+#include "controller/controller.h"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "python/arrays.h"
+#include "python/bindings.h"
+#include "sim/base/error.h"
+#include "sim/settings/robot_file.h"
+
+namespace gauntlet::python {
+namespace {
+
+namespace py = pybind11;
+using controller::GloveStatus;
+
+using Counts = py::array_t<std::int32_t, py::array::c_style>;
+
+constexpr const char* kControllerPlace = "controller";
+
+std::string NameOf(GloveStatus status) {
+  switch (status) {
+    case GloveStatus::kGood:
+      return "good";
+    case GloveStatus::kHeld:
+      return "held";
+    case GloveStatus::kTooOften:
+      return "too_often";
+    case GloveStatus::kLost:
+      return "lost";
+  }
+  return {};
+}
+
+/// A controller and what it is connected to. One thread at a time may use it: another gets an
+/// error.
+class BoundController {
+ public:
+  explicit BoundController(const controller::RobotConfig& robot)
+      : robot_(robot), controller_(robot) {}
+
+  Counts Step(const py::object& sample, const std::optional<std::int64_t>& number) {
+    const auto lock = Lock();
+    if (sample.is_none()) return Told(controller_.Step());
+    const Rows counts = RowsOf(sample, kControllerPlace);
+    CheckChannels(counts.ndim() == 1 ? static_cast<std::size_t>(counts.shape(0)) : 0);
+    return Told(controller_.Step({.counts = ValuesOf(counts), .number = number}));
+  }
+
+  /// A tick with each sample, and the ticks without one up to the next: a row of counts per tick.
+  Counts StepRows(const py::object& samples) {
+    const auto lock = Lock();
+    const Rows rows = RowsOf(samples, kControllerPlace);
+    const auto [count, width] = ShapeOf(rows);
+    CheckChannels(rows.ndim() == 2 ? width : 0);
+    const auto ticks = static_cast<std::size_t>(robot_.timing.ticks_per_sample);
+    const auto motors = static_cast<std::size_t>(controller_.motor_count());
+    Counts commands({count * ticks, motors});
+    const std::span<const double> from = ValuesOf(rows);
+    const std::span<std::int32_t> to(commands.mutable_data(), count * ticks * motors);
+    constexpr std::size_t kRows = 20'000;  // between two looks for signals
+    for (std::size_t row = 0; row < count;) {
+      {
+        const py::gil_scoped_release unlocked;
+        for (const std::size_t end = std::min(row + kRows, count); row < end; ++row) {
+          controller::Command command =
+              controller_.Step({.counts = from.subspan(row * width, width)});
+          for (std::size_t tick = row * ticks;; ++tick) {
+            std::ranges::copy(command.motor_counts, to.subspan(tick * motors, motors).begin());
+            if (tick + 1 == (row + 1) * ticks) break;
+            command = controller_.Step();
+          }
+          last_ = command;
+        }
+      }
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+    return commands;
+  }
+
+  void TakeJointAngles(const py::object& measured_rad) {
+    const auto lock = Lock();
+    const Rows angles = RowsOf(measured_rad, kControllerPlace);
+    CheckCount(angles, controller_.joint_count(), "joints");
+    controller_.TakeJointAngles(ValuesOf(angles));
+  }
+
+  void Reset(const py::object& motor_counts) {
+    const auto lock = Lock();
+    last_ = {};
+    if (motor_counts.is_none()) return controller_.Reset();
+    const Rows counts = RowsOf(motor_counts, kControllerPlace);
+    CheckCount(counts, controller_.motor_count(), "motors");
+    std::vector<std::int32_t> whole;
+    for (const double value : ValuesOf(counts)) {
+      if (!(value == std::clamp(std::nearbyint(value), -2147483648.0, 2147483647.0))) {
+        throw sim::UserError({.place = kControllerPlace,
+                              .key = "motor_counts",
+                              .problem = fmt::format("is {}, must be a whole number", value)});
+      }
+      whole.push_back(static_cast<std::int32_t>(value));
+    }
+    controller_.Reset(whole);
+  }
+
+  void SetChannelActive(const std::string& channel, bool active) {
+    const auto lock = Lock();
+    controller_.SetChannelActive(ChannelOf(channel), active);
+  }
+  double SampleAgeMs(const std::string& channel) {
+    const auto lock = Lock();
+    return controller_.sample_age_ms(ChannelOf(channel));
+  }
+
+  template <class Value>
+  py::array_t<Value> CopyOf(std::span<const Value> (controller::Controller::*values)()
+                                const noexcept) {
+    const auto lock = Lock();
+    const std::span<const Value> all = (controller_.*values)();
+    return py::array_t<Value>(static_cast<py::ssize_t>(all.size()), all.data());
+  }
+
+  bool event() const { return last_.event; }
+  std::string status() const { return NameOf(last_.glove); }
+  const controller::RobotConfig& robot() const { return robot_; }
+
+ private:
+  std::unique_lock<std::mutex> Lock() {
+    std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) {
+      throw sim::RunError("controller: another thread is using it; give each thread its own");
+    }
+    return lock;
+  }
+
+  Counts Told(const controller::Command& command) {
+    last_ = command;
+    return Counts(static_cast<py::ssize_t>(command.motor_counts.size()),
+                  command.motor_counts.data());
+  }
+
+  /// `width`: 0 for another number of dimensions.
+  void CheckChannels(std::size_t width) const {
+    if (width == static_cast<std::size_t>(controller_.channel_count())) return;
+    throw sim::UserError(
+        {.place = kControllerPlace,
+         .key = "sample",
+         .problem = fmt::format("must have {} channels: one value for each in step(), a row for "
+                                "each sample in steps()",
+                                controller_.channel_count())});
+  }
+
+  static void CheckCount(const Rows& values, int count, const char* noun) {
+    if (values.ndim() == 1 && values.size() == count) return;
+    throw sim::UserError(
+        {.place = kControllerPlace,
+         .problem = fmt::format("must be {} values, one for each of the {}", count, noun)});
+  }
+
+  int ChannelOf(const std::string& name) const {
+    const auto& names = robot_.glove.channel_names;
+    const auto found = std::ranges::find(names, name);
+    if (found != names.end()) return static_cast<int>(found - names.begin());
+    throw sim::UserError(
+        {.place = kControllerPlace, .key = name, .problem = "is not a channel of this controller"});
+  }
+
+  controller::RobotConfig robot_;
+  controller::Controller controller_;
+  controller::Command last_;
+  std::mutex mutex_;
+};
+
+}  // namespace
+
+void BindController(py::module_& module) {
+  using Controller = controller::Controller;
+  py::class_<BoundController>(module, "Controller")
+      .def(py::init([](const std::string& file, const std::optional<std::string>& text) {
+             return std::make_unique<BoundController>(text ? sim::ParseRobot(file, *text)
+                                                           : sim::LoadRobot(file));
+           }),
+           py::arg("file"), py::arg("text"))
+      .def("step", &BoundController::Step, py::arg("sample"), py::arg("number"))
+      .def("steps", &BoundController::StepRows, py::arg("samples"))
+      .def("take_joint_angles", &BoundController::TakeJointAngles, py::arg("measured_rad"))
+      .def("reset", &BoundController::Reset, py::arg("motor_counts"))
+      .def("set_channel_active", &BoundController::SetChannelActive, py::arg("channel"),
+           py::arg("active"))
+      .def("sample_age_ms", &BoundController::SampleAgeMs, py::arg("channel"))
+      .def_property_readonly("event", &BoundController::event)
+      .def_property_readonly("status", &BoundController::status)
+      .def_property_readonly(
+          "channel_names",
+          [](const BoundController& self) { return self.robot().glove.channel_names; })
+      .def_property_readonly(
+          "joint_names", [](const BoundController& self) { return self.robot().hand.joint_names; })
+      .def_property_readonly(
+          "motor_names", [](const BoundController& self) { return self.robot().hand.motor_names; })
+      .def_property_readonly(
+          "tick_rate_hz",
+          [](const BoundController& self) { return self.robot().timing.tick_rate_hz; })
+      .def_property_readonly(
+          "ticks_per_sample",
+          [](const BoundController& self) { return self.robot().timing.ticks_per_sample; })
+      .def_property_readonly(
+          "event_period_ms",
+          [](const BoundController& self) { return self.robot().timing.event_period_ms; })
+      .def_property_readonly(
+          "linearised_angle_rad",
+          [](BoundController& self) { return self.CopyOf(&Controller::linearised_angle_rad); })
+      .def_property_readonly(
+          "filtered_angle_rad",
+          [](BoundController& self) { return self.CopyOf(&Controller::filtered_angle_rad); })
+      .def_property_readonly(
+          "predicted_angle_rad",
+          [](BoundController& self) { return self.CopyOf(&Controller::predicted_angle_rad); })
+      .def_property_readonly(
+          "target_angle_rad",
+          [](BoundController& self) { return self.CopyOf(&Controller::target_angle_rad); })
+      .def_property_readonly("untrusted_samples", [](BoundController& self) {
+        return self.CopyOf<std::int64_t>(&Controller::untrusted_samples);
+      });
+}
+
+}  // namespace gauntlet::python

@@ -1,0 +1,326 @@
+"""Gauntlet in Python: controllers and filters on arrays, and the commands of the program.
+
+Settings are a file, the text of a YAML file, or a dict. They are the same as those of the program, and so are
+the results, to the last bit. A mistake is a SettingError with place and key.
+"""
+from __future__ import annotations
+
+import os
+import pathlib
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Optional, Union
+
+import numpy as np
+
+from . import _core
+from ._errors import Remark, RunError, SettingError
+from ._results import (Column, Figure, IdentifyResult, InspectResult, Result, SignalArrays, StudyResult, SweepResult, Table,
+                       TuneResult)
+from ._settings import Settings, overrides as _overrides, source as _source, to_yaml
+
+__version__: str = _core.__version__
+__all__ = ["Column", "Controller", "Figure", "IdentifyResult", "InspectResult", "Remark", "Result", "RunError", "SettingError",
+           "Settings", "SignalArrays", "StudyResult", "SweepResult", "Table", "TuneResult", "compare", "filter",
+           "filter_kinds", "identify", "inspect", "run", "sweep", "to_yaml", "tune"]
+
+#: None: a line on standard error if that is a terminal. True, False: with or without it. Or a function of
+#: what is done and what there is in all, called about twenty times per second.
+Progress = Union[None, bool, Callable[[float, float], object]]
+Overrides = Union[None, Mapping[str, Any], Sequence[str]]
+
+
+def _find_data() -> None:
+    """Gauntlet's own files: within the package, or in share/gauntlet of a folder above it."""
+    package = pathlib.Path(__file__).parent
+    for folder in [package / "data", *(above / "share" / "gauntlet" for above in package.absolute().parents)]:
+        if (folder / "scenarios").is_dir():
+            _core.set_data_folder(str(folder.resolve()))
+            return
+
+
+_find_data()
+
+
+def filter(array: Any, kind: Union[str, Mapping[str, Any]], *, rate_hz: Optional[float] = None,
+           out: Optional[np.ndarray] = None, **settings: Any) -> np.ndarray:
+    """Filters samples (n) or samples x channels, as a controller would, one after the other.
+
+    kind     kind of filter, or its settings as a dict: {"kind": "one_euro", "min_cutoff_hz": 1}
+    rate_hz  sampling rate, needed by filters with settings in Hz or s
+    out      array of float64 for the result, which may be `array` itself
+    A value that is NaN, infinite or beyond 1e100 is the last good one of its channel again (with a Remark);
+    before the first good one the result is NaN. Errors: SettingError.
+    """
+    chosen = {**kind, **settings} if isinstance(kind, Mapping) else {"kind": kind, **settings}
+    result, held = _core.filter(array, to_yaml(chosen), rate_hz, out)
+    if held:
+        _remark([f"filter: {held} missing values held at the last good one"])
+    return result
+
+
+def filter_kinds() -> list[str]:
+    """Names of all kinds of filters."""
+    return _core.filter_kinds()
+
+
+class Controller:
+    """What runs on the robot, from glove to motors: see controller/README.md.
+
+    robot: a file of `gauntlet export`, its text, or its settings as a dict.
+    One thread at a time may use a controller; another gets a RunError. Errors: SettingError.
+    """
+
+    def __init__(self, robot: Settings) -> None:
+        self._core = _core.Controller(*_source(robot, "controller"))
+
+    def step(self, sample: Any = None, *, number: Optional[int] = None) -> np.ndarray:
+        """One tick, with a sample (counts per channel; NaN: missing) or without: motor counts.
+
+        number: that of the glove's frame, if the glove counts its frames.
+        """
+        return self._core.step(sample, number)
+
+    def steps(self, samples: Any) -> np.ndarray:
+        """The same for samples x channels: a tick with each sample, and those without one up to the next.
+
+        Returns ticks x motors; there are `ticks_per_sample` ticks for each sample.
+        """
+        return self._core.steps(samples)
+
+    def reset(self, motor_counts: Any = None) -> None:
+        """Resets filters, counters and clocks; the motors are at the last command, or at these counts."""
+        self._core.reset(motor_counts)
+
+    def take_joint_angles(self, measured_rad: Any) -> None:
+        """Measured angles of the hand's joints (NaN: not measured), for the joint loop."""
+        self._core.take_joint_angles(measured_rad)
+
+    def set_channel_active(self, channel: str, active: bool) -> None:
+        """An inactive channel holds its joint at the present angle."""
+        self._core.set_channel_active(channel, active)
+
+    def sample_age_ms(self, channel: str) -> float:
+        """Time since the last trusted value of a channel, in ticks of the loop."""
+        return self._core.sample_age_ms(channel)
+
+    @property
+    def event(self) -> bool:
+        """A command frame was due at the last tick: its counts are new and are to be sent."""
+        return self._core.event
+
+    @property
+    def status(self) -> str:
+        """Of the glove: good, held, too_often or lost."""
+        return self._core.status
+
+    @property
+    def channel_names(self) -> list[str]:
+        return self._core.channel_names
+
+    @property
+    def joint_names(self) -> list[str]:
+        return self._core.joint_names
+
+    @property
+    def motor_names(self) -> list[str]:
+        return self._core.motor_names
+
+    @property
+    def tick_rate_hz(self) -> float:
+        return self._core.tick_rate_hz
+
+    @property
+    def ticks_per_sample(self) -> int:
+        return self._core.ticks_per_sample
+
+    @property
+    def event_period_ms(self) -> float:
+        """Time from one command frame to the next."""
+        return self._core.event_period_ms
+
+    @property
+    def linearised_angle_rad(self) -> np.ndarray:
+        """Angle of each channel before the filter, after the last tick."""
+        return self._core.linearised_angle_rad
+
+    @property
+    def filtered_angle_rad(self) -> np.ndarray:
+        """Angle of each channel after the filter."""
+        return self._core.filtered_angle_rad
+
+    @property
+    def predicted_angle_rad(self) -> np.ndarray:
+        """Angle of each channel after the prediction."""
+        return self._core.predicted_angle_rad
+
+    @property
+    def target_angle_rad(self) -> np.ndarray:
+        """Angle of each joint: the command to the hand."""
+        return self._core.target_angle_rad
+
+    @property
+    def untrusted_samples(self) -> np.ndarray:
+        """Number of untrusted samples of each channel since the last reset."""
+        return self._core.untrusted_samples
+
+
+def run(scenario: Settings, *, set: Overrides = None, controllers: Sequence[str] = (), jobs: int = 0,
+        causes: str = "first", out: Union[None, str, "os.PathLike[str]"] = None, csv: bool = False, mcap: bool = False,
+        progress: Progress = None) -> StudyResult:
+    """Every controller of a scenario once, on the same glove signal and the same hand.
+
+    set          values over those of the scenario: {"glove.motion.duration_s": 2}, or texts as of --set
+    controllers  only these; empty: all
+    jobs         trials at a time; 0: one per processor
+    causes       seeds whose causes of the error are found: none, first or all
+    out          folder for the files of `gauntlet run`; None: no files
+    Errors: SettingError, RunError; KeyboardInterrupt leaves no half-written file.
+    """
+    return _run(False, scenario, set, controllers, 1, jobs, causes, out, csv, mcap, progress)
+
+
+def compare(scenario: Settings, *, set: Overrides = None, controllers: Sequence[str] = (), seeds: int = 0,
+            jobs: int = 0, causes: str = "first", out: Union[None, str, "os.PathLike[str]"] = None, csv: bool = False,
+            mcap: bool = False, progress: Progress = None) -> StudyResult:
+    """The same over several seeds: means with confidence intervals, ranking, verdict.
+
+    seeds  number of them; 0: 8, or one for each repetition of the scenario
+    With `out`, finished trials are kept there, and the same call continues after an interruption.
+    """
+    if seeds < 0:
+        raise SettingError("seeds", "", f"is {seeds}, must be 1 or more, or 0 for the usual number")
+    return _run(True, scenario, set, controllers, seeds, jobs, causes, out, csv, mcap, progress)
+
+
+def tune(scenario: Settings, *, controller: str = "", free: Union[Mapping[str, str], Sequence[str]] = (),
+         minimise: str = "tracking_rmse_deg", subject_to: Sequence[str] = (), set: Overrides = None, seeds: int = 8,
+         held_out: int = 8, evaluations: int = 100, all: bool = False, filter_only: bool = False, jobs: int = 0,
+         progress: Progress = None) -> TuneResult:
+    """Finds the best settings of a controller, or with `all` the best kind of filter.
+
+    free        settings and their ranges: {"filter.q": "1e-6:10:log"}, or texts as of --free
+    minimise    score to optimise
+    subject_to  bounds of scores: ["jitter_rms_deg<=0.2"]
+    seeds, held_out  seeds of the search, and further ones for the verdict
+    """
+    for name, value in (("seeds", seeds), ("held_out", held_out), ("evaluations", evaluations)):
+        if value < 1:
+            raise SettingError(name, "", f"is {value}, must be 1 or more")
+    ranges = [f"{key}={value}" for key, value in free.items()] if isinstance(free, Mapping) else _texts(free, "free")
+    with _Line(progress, "tune") as told:
+        found = _core.tune(*_source(scenario, "scenario"), _overrides(set), controller, ranges, minimise,
+                           _texts(subject_to, "subject_to"), seeds, held_out, evaluations, all, filter_only,
+                           _jobs(jobs), told)
+    _remark(found["remarks"])
+    return TuneResult(found)
+
+
+def sweep(study: Settings, *, set: Overrides = None, seeds: Optional[int] = None, filter_only: bool = False,
+          all_seeds: bool = False, jobs: int = 0, out: Union[None, str, "os.PathLike[str]"] = None,
+          progress: Progress = None) -> SweepResult:
+    """Runs a study file: many settings of a scenario.
+
+    seeds      number of them; None: as in the study file
+    all_seeds  run all seeds, also of statistically excluded settings
+    out        folder for the files of `gauntlet sweep`, which the same call continues; None: no files
+    """
+    if seeds is not None and seeds < 1:
+        raise SettingError("seeds", "", f"is {seeds}, must be 1 or more")
+    if out is None:
+        with tempfile.TemporaryDirectory(prefix="gauntlet-") as folder:
+            return _sweep(study, set, seeds, filter_only, all_seeds, jobs, folder, None, progress)
+    return _sweep(study, set, seeds, filter_only, all_seeds, jobs, os.fspath(out), os.fspath(out), progress)
+
+
+def identify(log: Union[str, "os.PathLike[str]"], *, source: str = "wearer", controller: str = "", array: str = "",
+             map: Union[str, "os.PathLike[str]"] = "", unit: str = "", episode: Optional[int] = None, held: bool = False,
+             progress: Progress = None) -> IdentifyResult:
+    """Delay, lag and hysteresis of a hand from a log of commands and angles, or from an output folder.
+
+    source      of an output folder: the chain from the wearer's angles ("wearer") or from the targets ("target")
+    controller  of an output folder; empty: the scenario's first
+    array, map, unit, episode, held  as of `gauntlet identify`
+    """
+    if source not in ("wearer", "target"):
+        raise SettingError("source", "", f"is {source}, must be wearer or target")
+    if unit not in ("", "deg", "rad"):
+        raise SettingError("unit", "", f"is {unit}, must be deg or rad")
+    with _Line(progress, "identify") as told:
+        found = _core.identify(os.fspath(log), controller, source == "wearer", array, os.fspath(map), unit, episode, held,
+                               told)
+    _remark(found["remarks"])
+    return IdentifyResult(found)
+
+
+def inspect(file: Union[str, "os.PathLike[str]"], *, rate_hz: float = 0.0, array: str = "", preset: str = "",
+            hand: str = "", map: Union[str, "os.PathLike[str]"] = "",
+            columns: Optional[tuple[int, int]] = None) -> InspectResult:
+    """What a recording is: format, rate, unit, joints, defects. Arguments as of `gauntlet inspect`."""
+    if hand not in ("", "left", "right"):
+        raise SettingError("hand", "", f"is {hand}, must be left or right")
+    found = _core.inspect(os.fspath(file), rate_hz, array, preset, hand, os.fspath(map), columns, None)
+    _remark(found["remarks"])
+    return InspectResult(found)
+
+
+def _run(comparison, scenario, set, controllers, seeds, jobs, causes, out, csv, mcap, progress) -> StudyResult:
+    folder = None if out is None else os.fspath(out)
+    if folder == "":
+        raise SettingError("out", "", "is empty, must be a folder")
+    with _Line(progress, "compare" if comparison else "run") as told:
+        study, remarks = _core.run_study(*_source(scenario, "scenario"), _overrides(set),
+                                         _texts(controllers, "controllers"), comparison, seeds, _jobs(jobs), causes,
+                                         folder or "", csv, mcap, told)
+    _remark(remarks)
+    return StudyResult(study, remarks, folder)
+
+
+def _sweep(study, set, seeds, filter_only, all_seeds, jobs, folder, shown, progress) -> SweepResult:
+    with _Line(progress, "sweep") as told:
+        found = _core.sweep(*_source(study, "study"), _overrides(set), seeds, filter_only, all_seeds, _jobs(jobs), folder,
+                            told)
+    _remark(found["remarks"])
+    return SweepResult(found, shown)
+
+
+def _texts(texts: Union[str, Sequence[str]], name: str) -> list[str]:
+    if isinstance(texts, str):
+        raise SettingError(name, "", f"is a text, must be a list: [{texts!r}]")
+    return [str(text) for text in texts]
+
+
+def _jobs(jobs: int) -> int:
+    if not 0 <= jobs <= 1024:
+        raise SettingError("jobs", "", f"is {jobs}, must be 1 to 1024, or 0 for one per processor")
+    return jobs
+
+
+def _remark(lines: Sequence[str]) -> None:
+    for line in lines:
+        warnings.warn(line.removeprefix("warning: "), Remark, stacklevel=4)
+
+
+class _Line:
+    """Progress as one line on standard error; inside a `with`, what the core calls, or None."""
+
+    def __init__(self, progress: Progress, name: str) -> None:
+        self._name = name
+        self._is_drawn = False
+        if progress is None:
+            progress = sys.stderr is not None and sys.stderr.isatty()
+        self._told = self._draw if progress is True else None if progress is False else progress
+
+    def __enter__(self) -> Optional[Callable[[float, float], object]]:
+        return self._told
+
+    def __exit__(self, *error: object) -> None:
+        if self._is_drawn:
+            print(file=sys.stderr)
+
+    def _draw(self, done: float, total: float) -> None:
+        self._is_drawn = True
+        share = 100 * done / total if total > 0 else 0
+        print(f"\r{self._name}: {share:3.0f} %", end="", file=sys.stderr, flush=True)

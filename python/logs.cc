@@ -1,0 +1,118 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <pybind11/stl.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "python/bindings.h"
+#include "python/long_call.h"
+#include "python/results.h"
+#include "sim/base/text.h"
+#include "sim/calibrate/chain_tables.h"
+#include "sim/calibrate/identified_hand.h"
+#include "sim/inspect/inspection.h"
+#include "sim/inspect/inspection_tables.h"
+#include "sim/inspect/starter_files.h"
+#include "sim/report/chain_page.h"
+#include "sim/trial/hand_log.h"
+
+namespace gauntlet::python {
+namespace {
+
+namespace py = pybind11;
+
+/// {"json", "page", "chain_yaml", "servo_yaml", "text", "html", "tables", "remarks"}.
+py::dict Identify(const std::string& log, const sim::HandLogOptions& options, bool held,
+                  const py::object& on_progress) {
+  std::optional<sim::IdentifiedHand> found;
+  std::string page;
+  const std::vector<std::string> remarks = RunLong(on_progress, [&](LongWork& work) {
+    sim::ChainEpisodes episodes = sim::LoadHandLog(log, options);
+    for (sim::ChainLog& episode : episodes.logs) episode.held = held;
+    found = sim::IdentifyHand(std::move(episodes),
+                              [&](int done, int all) { work.Progress(done, all); });
+    page = sim::ChainPage(found->result);
+    const sim::ChainLog& shown = found->result.log();
+    if (!shown.columns_ignored.empty()) {
+      work.Remark(fmt::format("{}: ignored columns that are no command, angle or motor: {}",
+                              shown.name, fmt::join(shown.columns_ignored, ", ")));
+    }
+    if (shown.values_missing > 0) {
+      work.Remark(fmt::format("{}: {} missing values, straight lines go over them", shown.name,
+                              shown.values_missing));
+    }
+  });
+  const std::string name = "chain.yaml";
+  py::dict dict;
+  dict["json"] = sim::ChainJson(found->result, sim::VerdictOf(found->result, found->chain, name));
+  dict["page"] = page;
+  dict["chain_yaml"] = found->chain_yaml;
+  dict["servo_yaml"] = found->servo_yaml;
+  dict["remarks"] = remarks;
+  AddText(sim::ChainAnswer(found->result, found->chain, name, false),
+          sim::ChainAnswer(found->result, found->chain, name, true), dict);
+  return dict;
+}
+
+/// {"json", "question", "starter_map", "text", "html", "tables", "remarks"}.
+py::dict Inspect(const std::string& file, const sim::InspectionOptions& options,
+                 const py::object& on_progress) {
+  sim::Inspection inspection;
+  const std::vector<std::string> remarks =
+      RunLong(on_progress, [&](LongWork&) { inspection = sim::Inspect(file, options); });
+  const bool has_columns = inspection.layout.columns > 0;
+  py::dict dict;
+  dict["json"] = sim::InspectionJson(inspection);
+  dict["question"] = inspection.question;
+  dict["starter_map"] = inspection.Sensors().empty() ? "" : sim::StarterMap(inspection);
+  dict["remarks"] = remarks;
+  sim::ResultText text = {has_columns ? sim::SummaryOf(inspection) : inspection.question};
+  sim::ResultText verbose = text;
+  if (has_columns) {
+    text.emplace_back(sim::ColumnsTable(inspection, false));
+    verbose.emplace_back(sim::ColumnsTable(inspection, true));
+  } else {
+    text.emplace_back(sim::TopicsTable(inspection.topics));
+    verbose = text;
+  }
+  AddText(text, verbose, dict);
+  return dict;
+}
+
+}  // namespace
+
+void BindLogs(py::module_& module) {
+  module.def(
+      "identify",
+      [](const std::string& log, const std::string& controller, bool from_wearer,
+         const std::string& array, const std::string& map, const std::string& unit,
+         const std::optional<int>& episode, bool held, const py::object& on_progress) {
+        return Identify(log,
+                        {.controller = controller,
+                         .from_wearer = from_wearer,
+                         .table = {.array = array, .map = map, .unit = unit, .episode = episode}},
+                        held, on_progress);
+      },
+      py::arg("log"), py::arg("controller"), py::arg("from_wearer"), py::arg("array"),
+      py::arg("map"), py::arg("unit"), py::arg("episode"), py::arg("held"), py::arg("on_progress"));
+  module.def(
+      "inspect",
+      [](const std::string& file, double rate_hz, const std::string& array,
+         const std::string& preset, const std::string& hand, const std::string& map,
+         const std::optional<std::pair<std::size_t, std::size_t>>& columns,
+         const py::object& on_progress) {
+        return Inspect(file,
+                       {.rate_hz = rate_hz,
+                        .array = array,
+                        .joints = {.preset = preset, .map = map, .hand = hand},
+                        .columns = columns},
+                       on_progress);
+      },
+      py::arg("file"), py::arg("rate_hz"), py::arg("array"), py::arg("preset"), py::arg("hand"),
+      py::arg("map"), py::arg("columns"), py::arg("on_progress"));
+}
+
+}  // namespace gauntlet::python

@@ -1,0 +1,174 @@
+#include "python/long_call.h"
+
+#include <pthread.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <exception>
+#include <initializer_list>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "sim/base/error.h"
+#include "sim/base/stop.h"
+
+namespace gauntlet::python {
+namespace {
+
+namespace py = pybind11;
+using namespace std::chrono_literals;
+
+constexpr auto kPatience = 50ms;  // between two looks for signals
+
+/// The right to run long work; one thread has it.
+class Turn {
+ public:
+  /// Errors: RunError for the thread that has it already; what a signal handler of Python raises.
+  Turn() {
+    if (owner == std::this_thread::get_id()) {
+      throw sim::RunError("a progress callback cannot begin another long call");
+    }
+    for (;;) {
+      bool taken = false;
+      {
+        const py::gil_scoped_release unlocked;
+        taken = mutex.try_lock_for(kPatience);
+      }
+      if (taken) break;
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+    owner = std::this_thread::get_id();
+    sim::stop_signal = 0;
+  }
+  ~Turn() {
+    sim::stop_signal = 0;
+    owner = std::thread::id();
+    mutex.unlock();
+  }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+ private:
+  static inline std::timed_mutex mutex;
+  static inline std::atomic<std::thread::id> owner;
+};
+
+/// In this scope new threads get no signals: Python's handlers interrupt system calls.
+class NoSignals {
+ public:
+  NoSignals() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGALRM, SIGUSR1, SIGUSR2}) {
+      sigaddset(&signals, signal);
+    }
+    pthread_sigmask(SIG_BLOCK, &signals, &before_);
+  }
+  ~NoSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  NoSignals(const NoSignals&) = delete;
+  NoSignals& operator=(const NoSignals&) = delete;
+
+ private:
+  sigset_t before_ = {};
+};
+
+/// The thread of the work.
+class Worker {
+ public:
+  Worker(const std::function<void(LongWork&)>& work, LongWork& state) {
+    const NoSignals scope;
+    thread_ = std::thread([this, &work, &state] {
+      try {
+        work(state);
+      } catch (...) {
+        error_ = std::current_exception();
+      }
+      {
+        const std::lock_guard lock(mutex_);
+        has_ended_ = true;
+      }
+      ended_.notify_all();
+    });
+  }
+  ~Worker() { thread_.join(); }
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  /// True if the work has ended within the time.
+  bool WaitFor(std::chrono::milliseconds time) {
+    const py::gil_scoped_release unlocked;
+    std::unique_lock lock(mutex_);
+    return ended_.wait_for(lock, time, [this] { return has_ended_; });
+  }
+  const std::exception_ptr& error() const { return error_; }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  bool has_ended_ = false;
+  std::exception_ptr error_;
+  std::thread thread_;
+};
+
+/// Adds to the exception that stopped the work what of it is kept.
+void AddNote(const py::error_already_set& raised, const std::exception_ptr& error) {
+  try {
+    if (error) std::rethrow_exception(error);
+  } catch (const sim::Cancelled& cancelled) {
+    if (!cancelled.kept.empty()) raised.value().attr("add_note")(cancelled.kept);
+  } catch (...) {  // what failed while it was stopped is not the reason
+  }
+}
+
+}  // namespace
+
+bool LongWork::Progress(double done, double all) {
+  all_ = all;
+  done_ = done;
+  return !sim::StopAsked();
+}
+
+void LongWork::Remark(const std::string& line) {
+  const std::lock_guard lock(mutex_);
+  remarks_.push_back(line);
+}
+
+std::vector<std::string> LongWork::TakeRemarks() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(remarks_, {});
+}
+
+std::vector<std::string> RunLong(const py::object& on_progress,
+                                 const std::function<void(LongWork&)>& work) {
+  const Turn turn;
+  LongWork state;
+  std::optional<py::error_already_set> raised;
+  double told = 0.0;
+  const auto look = [&](double done) {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (on_progress.is_none() || done == told) return;
+    told = done;
+    on_progress(done, state.all());
+  };
+  Worker worker(work, state);
+  while (!worker.WaitFor(kPatience)) {
+    if (raised) continue;
+    try {
+      look(state.done());
+    } catch (py::error_already_set& error) {
+      raised.emplace(error);
+      sim::stop_signal = SIGINT;
+    }
+  }
+  if (!raised && !worker.error()) look(state.all());
+  if (raised) {
+    AddNote(*raised, worker.error());
+    throw *std::move(raised);
+  }
+  if (worker.error()) std::rethrow_exception(worker.error());
+  return state.TakeRemarks();
+}
+
+}  // namespace gauntlet::python

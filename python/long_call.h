@@ -1,0 +1,39 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <atomic>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace gauntlet::python {
+
+/// What long work reports to its caller, from any thread.
+class LongWork {
+ public:
+  /// False: the caller wants it to stop.
+  bool Progress(double done, double all);
+  void Remark(const std::string& line);
+
+  double done() const { return done_; }
+  double all() const { return all_; }
+  std::vector<std::string> TakeRemarks();
+
+ private:
+  std::atomic<double> done_{0.0};
+  std::atomic<double> all_{0.0};
+  std::mutex mutex_;
+  std::vector<std::string> remarks_;
+};
+
+/// Runs `work` in a thread of its own, without the GIL. Meanwhile the caller's thread looks for
+/// signals and calls `on_progress(done, all)`, unless it is None: an exception of either stops the
+/// work and is thrown. Long calls take turns, because stopping is a matter of the whole process.
+/// Returns the remarks of the work. Errors: those of `work`; RunError for a call from
+/// `on_progress`.
+std::vector<std::string> RunLong(const pybind11::object& on_progress,
+                                 const std::function<void(LongWork&)>& work);
+
+}  // namespace gauntlet::python

@@ -1,0 +1,51 @@
+#include <pybind11/pybind11.h>
+
+#include <exception>
+#include <string>
+
+#include "controller/settings.h"
+#include "python/bindings.h"
+#include "sim/base/data_folder.h"
+#include "sim/base/error.h"
+
+namespace gauntlet::python {
+namespace {
+
+namespace py = pybind11;
+
+/// Raises an exception of gauntlet._errors.
+void Raise(const char* name, const py::tuple& arguments) {
+  const py::object type = py::module_::import("gauntlet._errors").attr(name);
+  PyErr_SetObject(type.ptr(), type(*arguments).ptr());
+}
+
+void Translate(std::exception_ptr error) {
+  try {
+    if (error) std::rethrow_exception(error);
+  } catch (const sim::UserError& mistake) {
+    Raise("SettingError", py::make_tuple(mistake.place(), mistake.key(), mistake.problem()));
+  } catch (const controller::SettingError& mistake) {
+    Raise("SettingError", py::make_tuple("", mistake.key(), mistake.problem()));
+  } catch (const sim::RunError& failure) {
+    Raise("RunError", py::make_tuple(std::string(failure.what())));
+  } catch (const sim::Cancelled& cancelled) {
+    PyErr_SetString(PyExc_KeyboardInterrupt, cancelled.kept.c_str());
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::python
+
+PYBIND11_MODULE(_core, module) {
+  namespace py = pybind11;
+  using namespace gauntlet::python;
+  py::register_exception_translator(&Translate);
+  module.attr("__version__") = GAUNTLET_VERSION;
+  module.def("set_data_folder",
+             [](const std::string& folder) { gauntlet::sim::SetDataFolder(folder); });
+  BindFilter(module);
+  BindController(module);
+  BindStudies(module);
+  BindSearches(module);
+  BindLogs(module);
+}

@@ -1,0 +1,179 @@
+#include <pybind11/stl.h>
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "python/bindings.h"
+#include "python/long_call.h"
+#include "python/results.h"
+#include "python/sources.h"
+#include "sim/base/error.h"
+#include "sim/base/manifest.h"
+#include "sim/base/output_file.h"
+#include "sim/base/output_folder.h"
+#include "sim/base/signal_storage.h"
+#include "sim/base/threads.h"
+#include "sim/report/sweep_page.h"
+#include "sim/report/tune_all_page.h"
+#include "sim/report/tune_page.h"
+#include "sim/search/tune_request.h"
+#include "sim/search/tune_tables.h"
+#include "sim/sweep/sweep_plan.h"
+#include "sim/sweep/sweep_run.h"
+#include "sim/sweep/sweep_tables.h"
+#include "sim/trial_table/sweep_database.h"
+#include "sim/trial_table/trial_table.h"
+
+namespace gauntlet::python {
+namespace {
+
+namespace py = pybind11;
+
+/// {"json", "csv", "page", "controllers": {name: YAML}, "text", "html", "tables", "remarks"}.
+py::dict Tune(const sim::TuneRequest& request, const SettingsSource& scenario,
+              const std::vector<std::string>& overrides, int jobs, const py::object& on_progress) {
+  sim::TunePlan plan;
+  std::vector<sim::TunedKind> kinds;
+  std::optional<sim::TuneResult> result;
+  std::string json, csv, page;
+  sim::ResultText text, verbose;
+  const std::vector<std::string> remarks = RunLong(on_progress, [&](LongWork& work) {
+    plan = sim::PlanOf(request, ScenarioSourceOf(scenario, overrides));
+    const auto progress = [&](double done, double all) { return work.Progress(done, all); };
+    if (request.all) {
+      kinds = sim::TuneAll(plan, sim::JobsOrCores(jobs), progress);
+      if (!kinds.front().has_answer()) {
+        throw sim::RunError("no kind of filter has an answer: " + kinds.front().result.problem);
+      }
+      json = sim::TuneAllJson(plan, kinds);
+      csv = sim::TuneAllCsv(kinds);
+      page = sim::TuneAllPage(plan, kinds);
+      text = sim::TuneAllText(plan, kinds, false);
+      verbose = sim::TuneAllText(plan, kinds, true);
+    } else {
+      result = sim::Tune(plan, sim::JobsOrCores(jobs), progress);
+      json = sim::TuneJson(plan, *result);
+      csv = sim::TuneCsv(plan, *result);
+      page = sim::TunePage(plan, *result);
+      text = sim::TuneText(plan, *result, false);
+      verbose = sim::TuneText(plan, *result, true);
+    }
+  });
+  py::dict controllers;
+  if (result) controllers[py::str(plan.controller)] = sim::ControllerYaml(result->controller);
+  for (const sim::TunedKind& tuned : kinds) {
+    if (!tuned.has_answer()) continue;
+    controllers[py::str(tuned.kind)] = sim::ControllerYaml(tuned.result.controller);
+  }
+  py::dict dict;
+  dict["json"] = json;
+  dict["csv"] = csv;
+  dict["page"] = page;
+  dict["controllers"] = controllers;
+  dict["remarks"] = remarks;
+  AddText(text, verbose, dict);
+  return dict;
+}
+
+sim::SweepPlan SweepPlanOf(const SettingsSource& study, const sim::SweepOverrides& overrides) {
+  if (study.text) return sim::ParseSweepPlan(study.file, *study.text, overrides);
+  return sim::LoadSweepPlan(sim::ReadyFile(study.file, "studies", "study"), overrides);
+}
+
+/// {"json", "csv", "text", "html", "tables", "remarks"}; `out` gets the files of `gauntlet
+/// sweep`.
+py::dict Sweep(const SettingsSource& study, const sim::SweepOverrides& overrides, int jobs,
+               const std::string& out, const py::object& on_progress) {
+  std::string json, csv;
+  sim::ResultText text, verbose;
+  const std::vector<std::string> remarks = RunLong(on_progress, [&](LongWork& work) {
+    const sim::SweepPlan plan = SweepPlanOf(study, overrides);
+    sim::SetSignalFolder(out);
+    const std::string hash = sim::HashOfSweep(plan);
+    sim::OutputFolder folder(out);
+    sim::OutputFiles files(
+        {.folder = folder.path(), .command = "sweep", .results = {"report.html", "cells.csv"}});
+    sim::SweepDatabase database(folder.path() / "study.db", hash, plan.metrics);
+    const sim::CellRange cells = sim::ShardOf(plan, 1, 1);
+    try {
+      sim::RunSweep(plan, database,
+                    {.jobs = sim::JobsOrCores(jobs),
+                     .cells = cells,
+                     .progress = [&](double done, double all) { return work.Progress(done, all); },
+                     .remark = [&](const std::string& line) { work.Remark(line); }});
+    } catch (const sim::Cancelled&) {
+      database.Flush();
+      throw sim::Cancelled{sim::KeptIn(folder.path() / "study.db")};
+    }
+    const sim::Response response = sim::ReadResponse(plan, database, cells);
+    const sim::SweepSummary summary =
+        sim::WriteCellsCsv(plan, database, cells, [&csv](std::string_view piece) { csv += piece; });
+    files.Write([&](const std::filesystem::path& place) {
+      sim::WriteOutputFile(place / "cells.csv", csv);
+      sim::WriteOutputFile(place / "report.html",
+                           sim::SweepPage(plan, database, cells, summary, response));
+    });
+    files.Commit();
+    folder.Keep();
+    if (summary.results == 0) {
+      throw sim::RunError("no setting has scores: " + summary.first_problem);
+    }
+    sim::WriteSweepJson(plan, database, cells, summary,
+                        [&json](std::string_view piece) { json += piece; });
+    text = sim::SweepText(plan, summary, response, false);
+    verbose = sim::SweepText(plan, summary, response, true);
+  });
+  py::dict dict;
+  dict["json"] = json;
+  dict["csv"] = csv;
+  dict["remarks"] = remarks;
+  AddText(text, verbose, dict);
+  return dict;
+}
+
+}  // namespace
+
+void BindSearches(py::module_& module) {
+  module.def(
+      "tune",
+      [](const std::string& file, const std::optional<std::string>& text,
+         const std::vector<std::string>& overrides, const std::string& controller,
+         const std::vector<std::string>& free, const std::string& minimise,
+         const std::vector<std::string>& subject_to, int seeds, int held_out, int evaluations,
+         bool all, bool filter_only, int jobs, const py::object& on_progress) {
+        return Tune({.controller = controller,
+                     .free = free,
+                     .minimise = minimise,
+                     .subject_to = subject_to,
+                     .seeds = seeds,
+                     .held_out = held_out,
+                     .evaluations = evaluations,
+                     .all = all,
+                     .filter_only = filter_only},
+                    {file, text}, overrides, jobs, on_progress);
+      },
+      py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("controller"),
+      py::arg("free"), py::arg("minimise"), py::arg("subject_to"), py::arg("seeds"),
+      py::arg("held_out"), py::arg("evaluations"), py::arg("all"), py::arg("filter_only"),
+      py::arg("jobs"), py::arg("on_progress"));
+  module.def(
+      "sweep",
+      [](const std::string& file, const std::optional<std::string>& text,
+         const std::vector<std::string>& overrides, const std::optional<int>& seeds,
+         bool filter_only, bool all_seeds, int jobs, const std::string& out,
+         const py::object& on_progress) {
+        return Sweep(
+            {file, text},
+            {.seeds = seeds, .filter_only = filter_only, .all_seeds = all_seeds, .set = overrides},
+            jobs, out, on_progress);
+      },
+      py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("seeds"),
+      py::arg("filter_only"), py::arg("all_seeds"), py::arg("jobs"), py::arg("out"),
+      py::arg("on_progress"));
+}
+
+}  // namespace gauntlet::python

@@ -1,0 +1,204 @@
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "python/arrays.h"
+#include "python/bindings.h"
+#include "python/long_call.h"
+#include "python/results.h"
+#include "python/sources.h"
+#include "sim/base/error.h"
+#include "sim/base/output_folder.h"
+#include "sim/base/signal_storage.h"
+#include "sim/base/threads.h"
+#include "sim/comparison/comparison_verdict.h"
+#include "sim/comparison/finish_study.h"
+#include "sim/comparison/study_files.h"
+#include "sim/comparison/study_folder.h"
+#include "sim/report/controllers_front.h"
+#include "sim/report/score_table.h"
+#include "sim/report/study_folder_files.h"
+#include "sim/study/made_with.h"
+#include "sim/trial/trace_signals.h"
+
+namespace gauntlet::python {
+namespace {
+
+namespace py = pybind11;
+
+struct StudyRequest {
+  SettingsSource scenario;
+  std::vector<std::string> overrides;
+  std::vector<std::string> controllers;
+  bool comparison = false;
+  int seeds = 0;  // 0: of a comparison, as the program
+  int jobs = 0;
+  std::string causes = "first";
+  std::string out;  // empty: no files
+  sim::TraceFormats formats;
+};
+
+using Finished = std::shared_ptr<sim::FinishedStudy>;
+
+sim::CauseSeeds CausesOf(const std::string& name) {
+  if (name == "none") return sim::CauseSeeds::kNone;
+  if (name == "first") return sim::CauseSeeds::kFirst;
+  if (name == "all") return sim::CauseSeeds::kAll;
+  throw sim::UserError(
+      {.place = "causes", .problem = "is " + name + ", must be none, first or all"});
+}
+
+sim::Scenario ReadScenario(const sim::ScenarioSource& source, const StudyRequest& request,
+                           LongWork& work) {
+  sim::Scenario scenario = sim::ParseScenario(source);
+  const std::string lost = sim::KeepControllers(request.controllers, scenario);
+  if (!lost.empty()) {
+    work.Remark(
+        fmt::format("the baseline {} is not among the controllers: the rule for scenarios "
+                    "that name none decides",
+                    lost));
+  }
+  return scenario;
+}
+
+/// The same steps as of `gauntlet run` and `compare`.
+void RunStudy(const StudyRequest& request, LongWork& work, sim::FinishedStudy& finished) {
+  const sim::CauseSeeds causes = CausesOf(request.causes);
+  const sim::ScenarioSource source = ScenarioSourceOf(request.scenario, request.overrides);
+  sim::Scenario scenario = ReadScenario(source, request, work);
+  const int seeds = request.seeds > 0    ? request.seeds
+                    : request.comparison ? sim::SeedsOfComparison(scenario)
+                                         : 1;
+  finished.comparison = request.comparison;
+  if (!request.out.empty()) sim::SetSignalFolder(request.out);
+  finished.study = sim::PrepareStudy(source, std::move(scenario));
+  for (const std::string& line : sim::WarningsOf(finished.study)) work.Remark(line);
+  const auto finish = [&] {
+    return sim::FinishStudy(
+        {.seeds = seeds,
+         .jobs = sim::JobsOrCores(request.jobs),
+         .causes = causes,
+         .progress = [&](double done, int all) { return work.Progress(done, all); },
+         .note = [&](const std::string& line) { work.Remark(line); },
+         .remark = [&](const std::string& line) { work.Remark(line); }},
+        finished);
+  };
+  std::optional<std::string> not_kept;
+  if (request.out.empty()) {
+    finish();
+  } else {
+    if (!request.comparison && sim::HoldsComparison(request.out)) {
+      work.Remark(request.out +
+                  " contained a comparison; this run replaces its scores, page and trace");
+    }
+    sim::OutputFolder folder(request.out);
+    finished.folder = folder.path();
+    sim::OutputFiles files = sim::FilesOfStudy(folder.path());
+    not_kept = finish();
+    sim::WriteStudyFolder(finished, request.formats, false, files);
+    folder.Keep();
+  }
+  for (const std::string& line : sim::Failures(finished.summary, finished.result.seeds.size())) {
+    work.Remark("warning: " + line);
+  }
+  if (not_kept) throw sim::RunError(*not_kept);
+}
+
+std::pair<Finished, std::vector<std::string>> Run(const StudyRequest& request,
+                                                  const py::object& on_progress) {
+  auto finished = std::make_shared<sim::FinishedStudy>();
+  std::vector<std::string> remarks =
+      RunLong(on_progress, [&](LongWork& work) { RunStudy(request, work, *finished); });
+  return {std::move(finished), std::move(remarks)};
+}
+
+py::dict TextOf(const sim::FinishedStudy& finished) {
+  py::dict dict;
+  AddText(sim::ScoreText(finished, false), sim::ScoreText(finished, true), dict);
+  return dict;
+}
+
+/// The signals of a controller in the first seed, by name: (array, names of columns, unit).
+py::dict TraceOf(const Finished& finished, std::size_t controller) {
+  const sim::Study& study = finished->study;
+  const sim::Trace& trace = finished->result.first_traces.at(controller);
+  const bool has_links = trace.sample_age_s.cols() > 0;
+  const sim::TraceColumnNames names(study.channel_names(), *study.hand, has_links);
+  py::dict signals;
+  sim::ForEachSignal(trace, [&](const auto& signal, const auto& matrix) {
+    if (matrix.cols() == 0) return;
+    signals[py::str(std::string(signal.name))] = py::make_tuple(
+        ViewOf(matrix, finished), names.Of(signal.columns), std::string(signal.unit));
+  });
+  return signals;
+}
+
+/// What all controllers share, likewise.
+py::dict SharedSignalsOf(const Finished& finished) {
+  const sim::GloveSignal& glove = *finished->result.first_glove;
+  py::dict signals;
+  signals["counts"] = py::make_tuple(ViewOf(glove.counts, finished), glove.channel_names, "counts");
+  signals["true_angle_rad"] =
+      py::make_tuple(ViewOf(glove.true_angle_rad, finished), glove.channel_names, "rad");
+  signals["reference_angle_rad"] =
+      py::make_tuple(ViewOf(finished->result.first_reference_rad, finished),
+                     finished->study.hand->joint_names(), "rad");
+  return signals;
+}
+
+}  // namespace
+
+void BindStudies(py::module_& module) {
+  py::class_<sim::FinishedStudy, Finished>(module, "FinishedStudy")
+      .def_property_readonly(
+          "name", [](const sim::FinishedStudy& self) { return self.study.scenario.name; })
+      .def_property_readonly(
+          "controllers",
+          [](const sim::FinishedStudy& self) { return self.result.controller_names; })
+      .def_property_readonly(
+          "tick_rate_hz",
+          [](const sim::FinishedStudy& self) { return self.result.first_glove->tick_rate_hz; })
+      .def_property_readonly(
+          "sample_rate_hz",
+          [](const sim::FinishedStudy& self) { return self.result.first_glove->rate_hz; })
+      .def("scores_json", [](const sim::FinishedStudy& self) { return sim::ScoresJson(self); })
+      .def("scores_csv", [](const sim::FinishedStudy& self) { return sim::ScoresCsv(self.result); })
+      .def("resolved_scenario",
+           [](const sim::FinishedStudy& self) { return sim::ResolvedScenario(self); })
+      .def("report_page",
+           [](const sim::FinishedStudy& self) { return sim::StudyPage(self, false); })
+      .def("figure",
+           [](const sim::FinishedStudy& self) { return sim::ControllersFrontFile(self.summary); })
+      .def("texts", &TextOf)
+      .def("trace",
+           [](const Finished& self, std::size_t controller) { return TraceOf(self, controller); })
+      .def("shared_signals", [](const Finished& self) { return SharedSignalsOf(self); });
+  module.def(
+      "run_study",
+      [](const std::string& file, const std::optional<std::string>& text,
+         const std::vector<std::string>& overrides, const std::vector<std::string>& controllers,
+         bool comparison, int seeds, int jobs, const std::string& causes, const std::string& out,
+         bool csv, bool mcap, const py::object& on_progress) {
+        return Run({.scenario = {file, text},
+                    .overrides = overrides,
+                    .controllers = controllers,
+                    .comparison = comparison,
+                    .seeds = seeds,
+                    .jobs = jobs,
+                    .causes = causes,
+                    .out = out,
+                    .formats = {.csv = csv, .mcap = mcap}},
+                   on_progress);
+      },
+      py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("controllers"),
+      py::arg("comparison"), py::arg("seeds"), py::arg("jobs"), py::arg("causes"), py::arg("out"),
+      py::arg("csv"), py::arg("mcap"), py::arg("on_progress"));
+}
+
+}  // namespace gauntlet::python

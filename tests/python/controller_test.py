@@ -1,0 +1,118 @@
+import pathlib
+import tempfile
+import threading
+import unittest
+import warnings
+
+import numpy as np
+
+import gauntlet
+from support import Test, program
+
+
+class Controller(Test):
+    """Of the file of `gauntlet export`, on the glove of the run that it was exported from."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        out, robot = f"{folder.name}/out", f"{folder.name}/robot.yaml"
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", gauntlet.Remark)
+            cls.result = gauntlet.run("random_motion", set={"glove.motion.duration_s": 1}, controllers=["tuned_kalman"],
+                                      causes="none", out=out)
+        program("export", out, "--controller", "tuned_kalman", "--out", robot)
+        cls.robot = pathlib.Path(robot)
+        cls.counts = np.array(cls.result.glove["counts"])
+
+    def test_gives_the_commands_of_the_trial(self):
+        trace = self.result.trace("tuned_kalman")["command_counts"]
+        controller = gauntlet.Controller(self.robot)
+        controller.reset(trace[0])  # where the trial's hand begins
+        commands = controller.steps(self.counts)
+        self.assertEqual(commands.shape, (len(self.counts) * controller.ticks_per_sample, len(controller.motor_names)))
+        # The servos hold a frame from the delay of 25 ms on, and the trace shows that frame.
+        self.assertTrue(np.array_equal(trace[25:], commands[:-25]))
+        self.assertGreater(np.unique(commands, axis=0).shape[0], 10)
+
+    def test_steps_as_in_a_loop(self):
+        whole, single = gauntlet.Controller(self.robot), gauntlet.Controller(self.robot)
+        commands = whole.steps(self.counts)
+        looped = []
+        for sample in self.counts:
+            looped.append(single.step(sample))
+            looped += [single.step() for _ in range(single.ticks_per_sample - 1)]
+        self.assertTrue(np.array_equal(commands, looped))
+        self.assertTrue(np.array_equal(whole.filtered_angle_rad, single.filtered_angle_rad))
+        self.assertEqual((whole.status, whole.event), (single.status, single.event))
+
+    def test_is_the_same_from_a_text_and_from_a_dict(self):
+        text = self.robot.read_text()
+        expected = gauntlet.Controller(self.robot).steps(self.counts)
+        self.assertTrue(np.array_equal(expected, gauntlet.Controller(text).steps(self.counts)))
+        try:
+            import yaml
+        except ImportError:
+            return  # the dict has no other source
+        self.assertTrue(np.array_equal(expected, gauntlet.Controller(yaml.safe_load(text)).steps(self.counts)))
+
+    def test_counts_what_it_does_not_trust(self):
+        controller = gauntlet.Controller(self.robot)
+        sample = np.full(len(controller.channel_names), 500.0)
+        controller.step(sample)
+        self.assertEqual(controller.status, "good")
+        sample[2] = np.nan
+        controller.step(sample)
+        self.assertEqual(controller.untrusted_samples[2], 1)
+        self.assertEqual(controller.untrusted_samples.sum(), 1)
+        self.assertEqual(controller.status, "held")
+        ages = [controller.sample_age_ms(name) for name in controller.channel_names]
+        self.assertEqual(ages, [1.0 if i == 2 else 0.0 for i in range(len(ages))])
+        controller.reset()
+        self.assertEqual(controller.untrusted_samples.sum(), 0)
+
+    def test_refuses_wrong_shapes(self):
+        controller = gauntlet.Controller(self.robot)
+        channels = len(controller.channel_names)
+        for call, argument in [(controller.step, np.zeros(channels + 1)), (controller.step, np.zeros((1, channels))),
+                               (controller.steps, np.zeros(channels)), (controller.steps, np.zeros((5, channels - 1))),
+                               (controller.take_joint_angles, [0.0]), (controller.reset, [0.5])]:
+            with self.subTest(call=call.__name__):
+                self.assertEqual(self.mistake(call, argument).place, "controller")
+        self.assertIn("whole number", str(self.mistake(controller.reset, np.full(len(controller.motor_names), 0.5))))
+        self.assertIn("not a channel", str(self.mistake(controller.sample_age_ms, "no_finger")))
+
+    def test_names_the_place_in_the_file(self):
+        lines = self.robot.read_text().replace("event_period_ms", "event_periode_ms")
+        error = self.mistake(gauntlet.Controller, lines)
+        self.assertRegex(error.place, r"^controller:\d+:\d+$")
+        self.assertEqual(error.key, "timing.event_periode_ms")
+
+    def test_belongs_to_one_thread_at_a_time(self):
+        controllers = [gauntlet.Controller(self.robot) for _ in range(2)]
+        samples = np.tile(self.counts, (30, 1))
+        expected = gauntlet.Controller(self.robot).steps(samples)
+        results, refusals = [None, None], []
+
+        def work(i):
+            results[i] = controllers[i].steps(samples)
+
+        threads = [threading.Thread(target=work, args=(i,)) for i in range(2)]
+        for thread in threads:
+            thread.start()
+        while threads[0].is_alive():  # the same controller is in use
+            try:
+                controllers[0].step()
+                break
+            except gauntlet.RunError as error:
+                refusals.append(str(error))
+        for thread in threads:
+            thread.join()
+        self.assertTrue(np.array_equal(results[1], expected))
+        for refusal in refusals:
+            self.assertIn("another thread is using it", refusal)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,51 @@
+"""The Python of docs/how-to/python.md and of the notebook runs, and prints what the page shows."""
+import contextlib
+import io
+import json
+import re
+import unittest
+
+from support import SOURCE, Test, program
+
+PAGE = SOURCE / "docs/how-to/python.md"
+NOTEBOOK = SOURCE / "docs/how-to/compare-filters.ipynb"
+
+
+def printed(code, names):
+    text = io.StringIO()
+    with contextlib.redirect_stdout(text):
+        exec(compile(code, "example", "exec"), names)
+    return [line.rstrip() for line in text.getvalue().strip("\n").split("\n")]
+
+
+class Docs(Test):
+    def test_examples_of_the_page_print_what_stands_below_them(self):
+        blocks = re.findall(r"```python\n(.*?)```(?:\n+```text\n(.*?)```)?", PAGE.read_text(), re.S)
+        self.assertGreater(len(blocks), 5)
+        program("run", "hold_still", "--set", "glove.motion.duration_s=0.2", "--causes", "none", "--out", "out")
+        program("export", "out", "--controller", "raw", "--out", "robot.yaml")
+        names = {}
+        for code, expected in blocks:
+            shown = printed(code, names)
+            if expected:
+                self.assertEqual(shown, expected.strip("\n").split("\n"), code)
+
+    def test_cells_of_the_notebook_run_in_their_order(self):
+        notebook = json.loads(NOTEBOOK.read_text())
+        self.assertEqual(notebook["nbformat"], 4)
+        cells = ["".join(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == "code"]
+        self.assertGreater(len(cells), 4)
+        names = {}
+        for code in cells:
+            lines = code.rstrip().split("\n")
+            printed("\n".join(lines[:-1]), names)
+            try:  # the last line of a cell is shown
+                shown = eval(compile(lines[-1], "cell", "eval"), names)
+            except SyntaxError:
+                printed(lines[-1], names)
+                continue
+            self.assertTrue(repr(shown) if not hasattr(shown, "_repr_html_") else shown._repr_html_())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,136 @@
+import threading
+import unittest
+import warnings
+
+import numpy as np
+
+import gauntlet
+from support import Test
+
+
+KALMAN = {"kind": "kalman", "r": 20}
+
+
+def noisy(rows=400, columns=3, seed=1):
+    generator = np.random.default_rng(seed)
+    return np.round(500 + 100 * np.sin(np.arange(rows)[:, None] / 40 + np.arange(columns)) +
+                    generator.normal(0, 5, (rows, columns)))
+
+
+class Filter(Test):
+    def of_program(self, values, kind, *settings):
+        """The same filter as a stream of CSV."""
+        with open("in.csv", "w") as file:
+            print(*(f"c{i}" for i in range(values.shape[1])), sep=",", file=file)
+            for row in values:
+                print(*(repr(float(value)) for value in row), sep=",", file=file)
+        command = f'"$GAUNTLET_PROGRAM" filter {kind} {" ".join(f"--set {text}" for text in settings)} < in.csv'
+        import subprocess
+        text = subprocess.run(["bash", "-c", command], text=True, capture_output=True, check=True).stdout
+        return [[float(field or "nan") for field in line.split(",")] for line in text.splitlines()[1:]]
+
+    def test_every_kind_gives_the_numbers_of_the_program(self):
+        values = noisy(columns=18)
+        kinds = gauntlet.filter_kinds()
+        self.assertIn("one_euro", kinds)
+        for kind in kinds:
+            with self.subTest(kind):
+                ours = gauntlet.filter(values, kind, rate_hz=1000)
+                theirs = np.array(self.of_program(values, kind, "rate_hz=1000"))
+                # The stream has the shortest text of each number up to its digits.
+                np.testing.assert_allclose(ours, theirs, rtol=1e-5)
+
+    def test_settings_reach_the_filter(self):
+        values = noisy()
+        mean = gauntlet.filter(values, "moving_average", window=4)
+        expected = np.stack([values[max(0, k - 3):k + 1].mean(axis=0) for k in range(len(values))])
+        np.testing.assert_allclose(mean[3:], expected[3:], rtol=1e-12)
+        self.assertTrue(np.array_equal(mean, gauntlet.filter(values, {"kind": "moving_average", "window": 4})))
+
+    def test_takes_every_layout_and_type_of_real_numbers(self):
+        values = noisy()
+        whole = gauntlet.filter(values, KALMAN)
+        views = {"fortran": np.asfortranarray(values), "every second column": np.repeat(values, 2, axis=1)[:, ::2],
+                 "reversed twice": values[::-1].copy()[::-1], "float32": values.astype(np.float32),
+                 "int16": values.astype(np.int16), "big endian": values.astype(">f8"), "list": values.tolist()}
+        for name, view in views.items():
+            with self.subTest(name):
+                self.assertTrue(np.array_equal(whole, gauntlet.filter(view, KALMAN)))
+        one = gauntlet.filter(values[:, 0], KALMAN)
+        self.assertEqual(one.shape, (len(values),))
+        self.assertTrue(np.array_equal(one, whole[:, 0]))
+
+    def test_writes_into_out_also_where_it_is_the_input(self):
+        values = noisy()
+        before = values.copy()
+        expected = gauntlet.filter(values, KALMAN)
+        self.assertTrue(np.array_equal(before, values))
+        out = np.zeros_like(values)
+        self.assertIs(gauntlet.filter(values, KALMAN, out=out), out)
+        self.assertTrue(np.array_equal(out, expected))
+        shared = np.zeros((len(values) + 1, values.shape[1]))
+        shared[1:] = values  # the output overlaps the input, one row before it
+        self.assertTrue(np.array_equal(gauntlet.filter(shared[1:], KALMAN, out=shared[:-1]), expected))
+        gauntlet.filter(values, KALMAN, out=values)
+        self.assertTrue(np.array_equal(values, expected))
+
+    def test_holds_missing_values_and_says_so(self):
+        values = noisy(columns=2)
+        values[:7, 0] = np.nan
+        values[50:60, 1] = [np.nan, np.inf, -np.inf, 1e200, -1e200] * 2
+        with self.assertWarnsRegex(gauntlet.Remark, "17 missing values held"):
+            result = gauntlet.filter(values, KALMAN)
+        self.assertTrue(np.isnan(result[:7, 0]).all())
+        self.assertTrue(np.isfinite(result[7:, 0]).all() and np.isfinite(result[:, 1]).all())
+        held = values.copy()
+        held[50:60, 1] = held[49, 1]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            self.assertTrue(np.array_equal(result[:, 1], gauntlet.filter(held[:, 1], KALMAN)))
+            self.assertTrue(np.array_equal(result[7:, 0], gauntlet.filter(values[7:, 0], KALMAN)))
+
+    def test_refuses_what_is_no_signal(self):
+        values = noisy()
+        wrong = [("dimensions", np.zeros((2, 2, 2)), {}), ("dimensions", 3.0, {}), ("real numbers", [1j, 2j], {}),
+                 ("real numbers", ["a", "b"], {}), ("real numbers", [True, False], {}), ("no channels", np.zeros((4, 0)), {}),
+                 ("float64", values, {"out": values.astype(np.float32)}), ("shape", values, {"out": np.zeros((3, 3))}),
+                 ("shape", values[:, 0], {"out": np.zeros_like(values)}), ("contiguous", values, {"out": np.asfortranarray(values)}),
+                 ("is no array", values, {"out": [1.0]})]
+        for expected, array, named in wrong:
+            with self.subTest(expected=expected, named=list(named)):
+                self.assertIn(expected, str(self.mistake(gauntlet.filter, array, KALMAN, **named)))
+        fixed = np.zeros_like(values)
+        fixed.flags.writeable = False
+        error = self.mistake(gauntlet.filter, values, KALMAN, out=fixed)
+        self.assertEqual((error.place, error.key), ("filter", "out"))
+
+    def test_asks_for_the_rate_only_where_it_counts(self):
+        values = noisy()
+        error = self.mistake(gauntlet.filter, values, "one_euro")
+        self.assertEqual((error.place, error.key), ("filter", "rate_hz"))
+        for wrong in (0, -5, float("nan"), float("inf")):
+            error = self.mistake(gauntlet.filter, values, "one_euro", rate_hz=wrong)
+            self.assertEqual((error.place, error.key), ("filter", "rate_hz"))
+        gauntlet.filter(values, "median")
+        slow = gauntlet.filter(values, "one_euro", rate_hz=100)
+        self.assertFalse(np.array_equal(slow, gauntlet.filter(values, "one_euro", rate_hz=1000)))
+
+    def test_of_nothing_is_nothing(self):
+        self.assertEqual(gauntlet.filter(np.zeros((0, 4)), KALMAN).shape, (0, 4))
+
+    def test_runs_in_threads_at_once(self):
+        values = [noisy(20000, 8, seed) for seed in range(4)]
+        expected = [gauntlet.filter(array, KALMAN) for array in values]
+        results = [None] * 4
+        threads = [threading.Thread(target=lambda i=i: results.__setitem__(i, gauntlet.filter(values[i], KALMAN)))
+                   for i in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for result, array in zip(results, expected):
+            self.assertTrue(np.array_equal(result, array))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,103 @@
+import html.parser
+import sys
+import types
+import unittest
+import xml.etree.ElementTree
+
+import gauntlet
+from support import SHORT, Test, program
+
+
+class Results(Test):
+    @classmethod
+    def setUpClass(cls):
+        import warnings
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", gauntlet.Remark)
+            cls.result = gauntlet.compare("hold_still", set=SHORT, seeds=3)
+
+    def test_the_text_is_that_of_the_terminal(self):
+        out, _ = program("compare", "hold_still", "--set", "glove.motion.duration_s=0.5", "--seeds", 3)
+        squeezed = lambda text: " ".join(text.split())
+        self.assertEqual(squeezed(str(self.result)), squeezed(out))
+
+    def test_scores_have_a_row_per_seed_controller_and_part(self):
+        rows = self.result.scores
+        self.assertEqual({row["seed"] for row in rows}, {1, 2, 3})
+        self.assertEqual({row["controller"] for row in rows}, set(self.result.controllers))
+        of_raw = [row["tracking_rmse_deg"] for row in rows if row["controller"] == "raw" and row["channel"] == "summary"]
+        self.assertAlmostEqual(sum(of_raw) / 3, self.result.summary("tracking_rmse_deg")["raw"], places=9)
+
+    def test_tables_are_rows_with_the_names_of_files(self):
+        table = self.result.table
+        self.assertEqual([row["name"] for row in table if row["name"]], [row["name"] for row in table.rows])
+        self.assertIn("tracking_rmse_deg", table[0])
+        heading = {column.key: (column.heading, column.unit) for column in table.columns}
+        self.assertTrue(heading["tracking_rmse_deg"][0])
+        self.assertEqual(len(table), len(self.result.controllers))
+
+    def test_html_is_whole(self):
+        class Tags(html.parser.HTMLParser):
+            def __init__(self):
+                super().__init__()
+                self.open, self.wrong, self.tables = [], [], 0
+
+            def handle_starttag(self, tag, attributes):
+                self.tables += tag == "table"
+                if tag not in ("br", "col", "img"):
+                    self.open.append(tag)
+
+            def handle_endtag(self, tag):
+                if not self.open or self.open.pop() != tag:
+                    self.wrong.append(tag)
+
+        for shown, least in ((self.result, 1), (self.result.table, 1), (self.result.scores, 1)):
+            tags = Tags()
+            tags.feed(shown._repr_html_())
+            self.assertEqual((tags.open, tags.wrong), ([], []))
+            self.assertGreaterEqual(tags.tables, least)
+            self.assertNotIn("<script", shown._repr_html_())
+
+    def test_pandas_gets_the_rows(self):
+        class DataFrame:
+            def __init__(self, columns):
+                self.columns = columns
+
+        before = sys.modules.get("pandas")
+        sys.modules["pandas"] = types.SimpleNamespace(DataFrame=DataFrame)
+        try:
+            frame = self.result.scores.to_pandas()
+        finally:
+            sys.modules.pop("pandas")
+            if before is not None:
+                sys.modules["pandas"] = before
+        self.assertEqual(list(frame.columns)[:3], ["seed", "controller", "channel"])
+        rows = self.result.scores.rows
+        for name, values in frame.columns.items():
+            self.assertEqual([None if value != value else value for value in values], [row[name] for row in rows])
+        try:
+            import pandas
+        except ImportError:
+            return
+        real = self.result.scores.to_pandas()
+        self.assertEqual(real.shape, (len(rows), len(frame.columns)))
+        self.assertEqual(str(real["tracking_rmse_deg"].dtype), "float64")
+
+    def test_the_figure_is_a_picture_with_all_controllers(self):
+        self.assertIsNone(self.result.figure)  # a hand at rest has no delay
+        moving = gauntlet.compare("random_motion", set={"glove.motion.duration_s": 2}, seeds=2, causes="none",
+                                  controllers=["raw", "mean_20"])
+        root = xml.etree.ElementTree.fromstring(moving.figure.svg)
+        self.assertEqual(root.tag, "{http://www.w3.org/2000/svg}svg")
+        texts = [element.text or "" for element in root.iter("{http://www.w3.org/2000/svg}text")]
+        for name in moving.controllers:
+            self.assertTrue(any(text.startswith(name) for text in texts), texts)
+        self.assertIn("data:image/svg+xml;base64,", moving._repr_html_())
+
+    def test_the_verdict_is_that_of_the_json(self):
+        self.assertEqual(self.result.verdict, self.result.data["verdict"])
+        self.assertIn("recommended", self.result.verdict)
+
+
+if __name__ == "__main__":
+    unittest.main()
