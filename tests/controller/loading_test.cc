@@ -19,8 +19,8 @@ namespace {
 constexpr int kChannels = 18;
 constexpr Timing kEventPerSample = {.event_period_ms = 1.0};
 
-/// Every kind of filter, with a variance that suits counts and angles alike, and with the start
-/// from zero where it has one.
+/// Every kind of filter, with a variance and limits that suit counts and angles alike, and with the
+/// start from zero where it has one.
 std::vector<ControllerConfig> AllKindsOfSettings() {
   std::vector<ControllerConfig> all;
   for (const FilterKind& kind : FilterKinds()) {
@@ -31,6 +31,9 @@ std::vector<ControllerConfig> AllKindsOfSettings() {
         std::visit(
             [](auto& settings) {
               if (auto* r = MeasurementVarianceOf(settings)) *r = {15.0};
+              if constexpr (requires { settings.max_jerk_per_s3; }) {
+                settings.max_jerk_per_s3 = 2e7;
+              }
               if constexpr (requires { settings.start; }) settings.start = Start::kZero;
               if constexpr (requires { settings.cutoff_hz; }) settings.cutoff_hz = 2.0;
             },
