@@ -1,24 +1,15 @@
 #pragma once
 
-#include <functional>
-#include <memory>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "controller/export.h"
-#include "controller/filters/filter.h"
 #include "controller/settings.h"
 
 namespace gauntlet::controller {
 
-struct ExternalConfig;
-
-/// Makes the filter of a caller. `channel_names`: those that it filters, as many as the filter has
-/// channels. Errors: SettingError.
-using FilterMaker = std::function<std::unique_ptr<Filter>(
-    const ExternalConfig& config, std::span<const std::string> channel_names, double rate_hz)>;
+class FilterMaker;  // of filter_registry.h: its header would bring <memory> to every user
 
 /// A filter that the caller makes, from outside this library: in the simulator a program that gets
 /// a sample a line. This library starts no program: without `make`, there is no such filter.
@@ -34,7 +25,7 @@ struct GAUNTLET_API ExternalConfig {
   double timeout_ms = 2000.0;
   bool deterministic = false;
   std::vector<NamedNumber> parameters = {};
-  FilterMaker make = {};  // no setting: the caller's
+  const FilterMaker* make = nullptr;  // no setting: the caller's, who keeps it
 
   void Visit(SettingsVisitor& visitor);
 };

@@ -55,7 +55,7 @@ std::unique_ptr<Filter> MakeOfAll(const FilterConfig& config, std::span<const st
   }
   if (external != nullptr) {
     CheckFilter(*external, count, rate_hz);
-    if (external->make) return external->make(*external, names, rate_hz);
+    if (external->make != nullptr) return external->make->Make(*external, names, rate_hz);
   }
   if (config.per_channel.empty() || count < 1) {
     return std::visit([&](const auto& settings) { return MakeFilter(settings, count, rate_hz); },
@@ -112,10 +112,10 @@ std::unique_ptr<Filter> MakeFilter(const FilterConfig& config, int channel_count
 std::unique_ptr<Filter> MakeFilter(const ExternalConfig& config, int channel_count,
                                    double rate_hz) {
   CheckFilter(config, channel_count, rate_hz);
-  if (!config.make) {
+  if (config.make == nullptr) {
     throw SettingError("kind", "is external, a program, which runs only in the simulator's trials");
   }
-  return config.make(config, NumbersAsNames(channel_count), rate_hz);
+  return config.make->Make(config, NumbersAsNames(channel_count), rate_hz);
 }
 
 }  // namespace gauntlet::controller

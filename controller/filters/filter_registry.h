@@ -55,6 +55,17 @@ GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const FixedLagConfig& config, in
 GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const ExternalConfig& config, int channel_count,
                                                 double rate_hz);
 
+/// Makes the filters of a caller, from outside this library.
+class GAUNTLET_API FilterMaker {
+ public:
+  virtual ~FilterMaker() = default;
+  /// `channel_names`: those that it filters, as many as the filter has channels.
+  /// Errors: SettingError.
+  virtual std::unique_ptr<Filter> Make(const ExternalConfig& config,
+                                       std::span<const std::string> channel_names,
+                                       double rate_hz) const = 0;
+};
+
 /// A Kalman filter that also takes the acceleration input u of the paper's model.
 class GAUNTLET_API KalmanFilter : public Filter {
  public:

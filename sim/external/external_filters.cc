@@ -17,6 +17,7 @@
 #include <variant>
 #include <vector>
 
+#include "controller/filters/filter_registry.h"
 #include "controller/number.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
@@ -170,6 +171,20 @@ std::string HashSince(const std::filesystem::path& file) {
   return hash;
 }
 
+class ProgramMaker final : public controller::FilterMaker {
+ public:
+  /// `problem`: where a filter notes why it failed.
+  explicit ProgramMaker(std::shared_ptr<std::string> problem) : problem_(std::move(problem)) {}
+
+  std::unique_ptr<Filter> Make(const ExternalConfig& config, std::span<const std::string> names,
+                               double rate_hz) const override {
+    return std::make_unique<ExternalFilter>(config, names, rate_hz, problem_);
+  }
+
+ private:
+  std::shared_ptr<std::string> problem_;
+};
+
 }  // namespace
 
 void AllowPrograms() { programs_allowed = true; }
@@ -236,15 +251,14 @@ std::string HashOfPrograms(const ControllerConfig& config) {
 }
 
 TrialPrograms::TrialPrograms(const ControllerConfig& config)
-    : problem_(std::make_shared<std::string>()), config_(config) {
+    : problem_(std::make_shared<std::string>()),
+      maker_(std::make_shared<ProgramMaker>(problem_)),
+      config_(config) {
   CheckPrograms(config);
   for (FilterConfig& filter : config_.filters) {
     auto* external = std::get_if<ExternalConfig>(&filter.settings);
     if (external == nullptr) continue;
-    external->make = [problem = problem_](const ExternalConfig& asked,
-                                          std::span<const std::string> names, double rate_hz) {
-      return std::make_unique<ExternalFilter>(asked, names, rate_hz, problem);
-    };
+    external->make = maker_.get();
   }
 }
 

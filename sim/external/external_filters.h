@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "controller/controller_config.h"
+#include "controller/filters/filter_registry.h"
 
 namespace gauntlet::sim {
 
@@ -30,7 +31,7 @@ std::vector<std::filesystem::path> ProgramFiles(const controller::ControllerConf
 std::string HashOfPrograms(const controller::ControllerConfig& config);
 
 /// The programs of one trial. Each is started at the filter's first sample, and ends with the
-/// controller that is made of config().
+/// controller that is made of config(), while this object lives.
 ///
 ///     -> {"rate_hz": 1e3, "channel_count": 2, "channels": ["a", "b"], "parameters": {"x": 0.1}}
 ///     -> 512,498.25
@@ -50,6 +51,7 @@ class TrialPrograms {
 
  private:
   std::shared_ptr<std::string> problem_;
+  std::shared_ptr<const controller::FilterMaker> maker_;
   controller::ControllerConfig config_;
 };
 

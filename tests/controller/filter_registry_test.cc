@@ -91,22 +91,30 @@ TEST(FilterRegistry, SaysWhatIsWrongWithASetting) {
   EXPECT_THAT(ProblemOf({KalmanConfig{}}, 0), HasSubstr("channels"));
 }
 
+/// Notes for which channels it was asked.
+class NotingMaker final : public FilterMaker {
+ public:
+  std::unique_ptr<Filter> Make(const ExternalConfig&, std::span<const std::string> names,
+                               double rate_hz) const override {
+    seen.assign(names.begin(), names.end());
+    return MakeFilter(NoFilterConfig{}, static_cast<int>(names.size()), rate_hz);
+  }
+  mutable std::vector<std::string> seen;
+};
+
 TEST(FilterRegistry, HasAProgramOnlyOfItsCaller) {
   EXPECT_EQ(AllFilterKinds().size(), FilterKinds().size() + 1);
   EXPECT_EQ(AllFilterKinds().back().name, "external");
   ExternalConfig config;
   config.command = "program";
   EXPECT_THAT(ProblemOf({config}, 2), HasSubstr("runs only in the simulator's trials"));
-  std::vector<std::string> seen;
-  config.make = [&seen](const ExternalConfig&, std::span<const std::string> names, double rate_hz) {
-    seen.assign(names.begin(), names.end());
-    return MakeFilter(NoFilterConfig{}, static_cast<int>(names.size()), rate_hz);
-  };
+  const NotingMaker maker;
+  config.make = &maker;
   const std::vector<std::string> names = {"thumb", "index", "little"};
   EXPECT_EQ(
       MakeFilter({.settings = config, .channels = {"little", "1"}}, names, 100.0)->channel_count(),
       3);
-  EXPECT_THAT(seen, testing::ElementsAre("little", "thumb"));
+  EXPECT_THAT(maker.seen, testing::ElementsAre("little", "thumb"));
   FilterConfig with_list{.settings = config, .per_channel = {{"timeout_ms", {1.0, 2.0}}}};
   EXPECT_THAT(ProblemOf(with_list, 2), HasSubstr("timeout_ms: is a list, must be one value"));
 }
