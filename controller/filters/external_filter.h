@@ -9,7 +9,7 @@
 
 namespace gauntlet::controller {
 
-class FilterMaker;  // of filter_registry.h: its header would bring <memory> to every user
+class FilterMaker;  // of filter_registry.h, which needs more of the standard library
 
 /// A filter that the caller makes, from outside this library: in the simulator a program that gets
 /// a sample a line. This library starts no program: without `make`, there is no such filter.
