@@ -7,6 +7,7 @@
 #include "python/bindings.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
+#include "sim/external/external_filters.h"
 
 namespace gauntlet::python {
 namespace {
@@ -40,6 +41,7 @@ PYBIND11_MODULE(_core, module) {
   namespace py = pybind11;
   using namespace gauntlet::python;
   py::register_exception_translator(&Translate);
+  gauntlet::sim::NameConsent("allow_programs=True");
   module.attr("__version__") = GAUNTLET_VERSION;
   module.def("set_data_folder",
              [](const std::string& folder) { gauntlet::sim::SetDataFolder(folder); });

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/base/data_folder.h"
+#include "sim/external/external_filters.h"
 #include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::python {
@@ -14,6 +15,15 @@ namespace gauntlet::python {
 struct SettingsSource {
   std::string file;
   std::optional<std::string> text;
+};
+
+/// The caller's consent to programs of a scenario, for one long call. Long calls take turns.
+class ConsentOfCall {
+ public:
+  explicit ConsentOfCall(bool allowed) { sim::AllowPrograms(allowed); }
+  ~ConsentOfCall() { sim::AllowPrograms(false); }
+  ConsentOfCall(const ConsentOfCall&) = delete;
+  ConsentOfCall& operator=(const ConsentOfCall&) = delete;
 };
 
 /// Settings of a scenario. Errors: UserError for a file that is none.

@@ -42,6 +42,7 @@ struct StudyRequest {
   std::string causes = "first";
   std::string out;  // empty: no files
   sim::TraceFormats formats;
+  bool allow_programs = false;
 };
 
 using Finished = std::shared_ptr<sim::FinishedStudy>;
@@ -69,6 +70,7 @@ sim::Scenario ReadScenario(const sim::ScenarioSource& source, const StudyRequest
 
 /// The same steps as of `gauntlet run` and `compare`.
 void RunStudy(const StudyRequest& request, LongWork& work, sim::FinishedStudy& finished) {
+  const ConsentOfCall consent(request.allow_programs);
   const sim::CauseSeeds causes = CausesOf(request.causes);
   const sim::ScenarioSource source = ScenarioSourceOf(request.scenario, request.overrides);
   sim::Scenario scenario = ReadScenario(source, request, work);
@@ -184,7 +186,7 @@ void BindStudies(py::module_& module) {
       [](const std::string& file, const std::optional<std::string>& text,
          const std::vector<std::string>& overrides, const std::vector<std::string>& controllers,
          bool comparison, int seeds, int jobs, const std::string& causes, const std::string& out,
-         bool csv, bool mcap, const py::object& on_progress) {
+         bool csv, bool mcap, bool allow_programs, const py::object& on_progress) {
         return Run({.scenario = {file, text},
                     .overrides = overrides,
                     .controllers = controllers,
@@ -193,12 +195,13 @@ void BindStudies(py::module_& module) {
                     .jobs = jobs,
                     .causes = causes,
                     .out = out,
-                    .formats = {.csv = csv, .mcap = mcap}},
+                    .formats = {.csv = csv, .mcap = mcap},
+                    .allow_programs = allow_programs},
                    on_progress);
       },
       py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("controllers"),
       py::arg("comparison"), py::arg("seeds"), py::arg("jobs"), py::arg("causes"), py::arg("out"),
-      py::arg("csv"), py::arg("mcap"), py::arg("on_progress"));
+      py::arg("csv"), py::arg("mcap"), py::arg("allow_programs"), py::arg("on_progress"));
 }
 
 }  // namespace gauntlet::python

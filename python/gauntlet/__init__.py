@@ -169,7 +169,7 @@ class Controller:
 
 def run(scenario: Settings, *, set: Overrides = None, controllers: Sequence[str] = (), jobs: int = 0,
         causes: str = "first", out: Union[None, str, "os.PathLike[str]"] = None, csv: bool = False, mcap: bool = False,
-        progress: Progress = None) -> StudyResult:
+        allow_programs: bool = False, progress: Progress = None) -> StudyResult:
     """Every controller of a scenario once, on the same glove signal and the same hand.
 
     set          values over those of the scenario: {"glove.motion.duration_s": 2}, or texts as of --set
@@ -177,14 +177,15 @@ def run(scenario: Settings, *, set: Overrides = None, controllers: Sequence[str]
     jobs         trials at a time; 0: one per processor
     causes       seeds whose causes of the error are found: none, first or all
     out          folder for the files of `gauntlet run`; None: no files
+    allow_programs  run the programs that the scenario names as filters (kind external), with all rights of yours
     Errors: SettingError, RunError; KeyboardInterrupt leaves no half-written file.
     """
-    return _run(False, scenario, set, controllers, 1, jobs, causes, out, csv, mcap, progress)
+    return _run(False, scenario, set, controllers, 1, jobs, causes, out, csv, mcap, allow_programs, progress)
 
 
 def compare(scenario: Settings, *, set: Overrides = None, controllers: Sequence[str] = (), seeds: int = 0,
             jobs: int = 0, causes: str = "first", out: Union[None, str, "os.PathLike[str]"] = None, csv: bool = False,
-            mcap: bool = False, progress: Progress = None) -> StudyResult:
+            mcap: bool = False, allow_programs: bool = False, progress: Progress = None) -> StudyResult:
     """The same over several seeds: means with confidence intervals, ranking, verdict.
 
     seeds  number of them; 0: 8, or one for each repetition of the scenario
@@ -192,13 +193,13 @@ def compare(scenario: Settings, *, set: Overrides = None, controllers: Sequence[
     """
     if seeds < 0:
         raise SettingError("seeds", "", f"is {seeds}, must be 1 or more, or 0 for the usual number")
-    return _run(True, scenario, set, controllers, seeds, jobs, causes, out, csv, mcap, progress)
+    return _run(True, scenario, set, controllers, seeds, jobs, causes, out, csv, mcap, allow_programs, progress)
 
 
 def tune(scenario: Settings, *, controller: str = "", free: Union[Mapping[str, str], Sequence[str]] = (),
          minimise: str = "tracking_rmse_deg", subject_to: Sequence[str] = (), set: Overrides = None, seeds: int = 8,
          held_out: int = 8, evaluations: int = 100, all: bool = False, filter_only: bool = False, jobs: int = 0,
-         progress: Progress = None) -> TuneResult:
+         allow_programs: bool = False, progress: Progress = None) -> TuneResult:
     """Finds the best settings of a controller, or with `all` the best kind of filter.
 
     free        settings and their ranges: {"filter.q": "1e-6:10:log"}, or texts as of --free
@@ -213,14 +214,14 @@ def tune(scenario: Settings, *, controller: str = "", free: Union[Mapping[str, s
     with _Line(progress, "tune") as told:
         found = _core.tune(*_source(scenario, "scenario"), _overrides(set), controller, ranges, minimise,
                            _texts(subject_to, "subject_to"), seeds, held_out, evaluations, all, filter_only,
-                           _jobs(jobs), told)
+                           _jobs(jobs), allow_programs, told)
     _remark(found["remarks"])
     return TuneResult(found)
 
 
 def sweep(study: Settings, *, set: Overrides = None, seeds: Optional[int] = None, filter_only: bool = False,
           all_seeds: bool = False, jobs: int = 0, out: Union[None, str, "os.PathLike[str]"] = None,
-          progress: Progress = None) -> SweepResult:
+          allow_programs: bool = False, progress: Progress = None) -> SweepResult:
     """Runs a study file: many settings of a scenario.
 
     seeds      number of them; None: as in the study file
@@ -231,8 +232,9 @@ def sweep(study: Settings, *, set: Overrides = None, seeds: Optional[int] = None
         raise SettingError("seeds", "", f"is {seeds}, must be 1 or more")
     if out is None:
         with tempfile.TemporaryDirectory(prefix="gauntlet-") as folder:
-            return _sweep(study, set, seeds, filter_only, all_seeds, jobs, folder, None, progress)
-    return _sweep(study, set, seeds, filter_only, all_seeds, jobs, os.fspath(out), os.fspath(out), progress)
+            return _sweep(study, set, seeds, filter_only, all_seeds, jobs, folder, None, allow_programs, progress)
+    return _sweep(study, set, seeds, filter_only, all_seeds, jobs, os.fspath(out), os.fspath(out), allow_programs,
+                  progress)
 
 
 def identify(log: Union[str, "os.PathLike[str]"], *, source: str = "wearer", controller: str = "", array: str = "",
@@ -266,22 +268,22 @@ def inspect(file: Union[str, "os.PathLike[str]"], *, rate_hz: float = 0.0, array
     return InspectResult(found)
 
 
-def _run(comparison, scenario, set, controllers, seeds, jobs, causes, out, csv, mcap, progress) -> StudyResult:
+def _run(comparison, scenario, set, controllers, seeds, jobs, causes, out, csv, mcap, allow_programs, progress) -> StudyResult:
     folder = None if out is None else os.fspath(out)
     if folder == "":
         raise SettingError("out", "", "is empty, must be a folder")
     with _Line(progress, "compare" if comparison else "run") as told:
         study, remarks = _core.run_study(*_source(scenario, "scenario"), _overrides(set),
                                          _texts(controllers, "controllers"), comparison, seeds, _jobs(jobs), causes,
-                                         folder or "", csv, mcap, told)
+                                         folder or "", csv, mcap, allow_programs, told)
     _remark(remarks)
     return StudyResult(study, remarks, folder)
 
 
-def _sweep(study, set, seeds, filter_only, all_seeds, jobs, folder, shown, progress) -> SweepResult:
+def _sweep(study, set, seeds, filter_only, all_seeds, jobs, folder, shown, allow_programs, progress) -> SweepResult:
     with _Line(progress, "sweep") as told:
         found = _core.sweep(*_source(study, "study"), _overrides(set), seeds, filter_only, all_seeds, _jobs(jobs), folder,
-                            told)
+                            allow_programs, told)
     _remark(found["remarks"])
     return SweepResult(found, shown)
 

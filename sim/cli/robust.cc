@@ -3,12 +3,12 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/study_command.h"
 #include "sim/external/external_filters.h"
 #include "sim/report/robust_page.h"
 #include "sim/robust/robust_tables.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_tree.h"
+#include "sim/study/study.h"
 
 namespace gauntlet::sim {
 namespace {

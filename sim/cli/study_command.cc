@@ -107,18 +107,6 @@ std::string PriorityOverride(const std::string& priority) {
 
 }  // namespace
 
-void CheckProgramsOf(const ScenarioSource& source, const std::vector<std::string>& controllers) {
-  Scenario scenario = ParseScenario(source);
-  KeepControllers(controllers, scenario);
-  try {
-    for (const NamedController& named : scenario.controllers) {
-      controller::WithinSetting("controllers." + named.name, [&] { CheckPrograms(named.config); });
-    }
-  } catch (const controller::SettingError& error) {
-    throw AtPlace(PlaceOfSetting(source, error.key()), error);
-  }
-}
-
 void WarnIfUnchecked(const std::string& folder, bool checked) {
   if (checked) return;
   Say("gauntlet: warning: {} has no manifest.json: its files are not checked\n", folder);

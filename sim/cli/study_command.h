@@ -64,10 +64,6 @@ struct StudyCommand {
   }
 };
 
-/// Checks the programs of these controllers of a scenario, of all if none is named, before many
-/// settings of it are tried. Errors: UserError, as without the consent to run them.
-void CheckProgramsOf(const ScenarioSource& source, const std::vector<std::string>& controllers);
-
 /// Runs the trials, writes the folder, prints the table, draws the video if asked.
 void RunStudyCommand(const StudyCommand& options);
 

@@ -14,9 +14,9 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/slurm.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/study_command.h"
 #include "sim/external/external_filters.h"
 #include "sim/report/sweep_page.h"
+#include "sim/study/study.h"
 #include "sim/sweep/sweep_tables.h"
 
 namespace gauntlet::sim {

@@ -11,7 +11,6 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/study_command.h"
 #include "sim/external/external_filters.h"
 #include "sim/report/tune_all_page.h"
 #include "sim/report/tune_page.h"
@@ -19,6 +18,7 @@
 #include "sim/search/tune_request.h"
 #include "sim/search/tune_tables.h"
 #include "sim/settings/yaml_tree.h"
+#include "sim/study/study.h"
 
 namespace gauntlet::sim {
 namespace {

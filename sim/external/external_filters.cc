@@ -35,6 +35,7 @@ using controller::Filter;
 using controller::FilterConfig;
 
 std::atomic<bool> programs_allowed{false};
+std::atomic<const char*> consent_option{"--allow-programs"};
 
 /// The number of its filters and of each its program.
 template <class See>
@@ -187,7 +188,9 @@ class ProgramMaker final : public controller::FilterMaker {
 
 }  // namespace
 
-void AllowPrograms() { programs_allowed = true; }
+void AllowPrograms(bool allowed) { programs_allowed = allowed; }
+
+void NameConsent(const char* option) { consent_option = option; }
 
 bool HasPrograms(const ControllerConfig& config) {
   return std::ranges::any_of(config.filters, [](const FilterConfig& filter) {
@@ -210,9 +213,9 @@ void CheckPrograms(const ControllerConfig& config) {
       throw controller::SettingError(lists[0].key, "is a list, must be one value for a program");
     }
     if (!programs_allowed) {
-      throw controller::SettingError(
-          "command", fmt::format("is the program {}, which runs only with --allow-programs",
-                                 Shown(external.command)));
+      throw controller::SettingError("command",
+                                     fmt::format("is the program {}, which runs only with {}",
+                                                 Shown(external.command), consent_option.load()));
     }
     const std::vector<std::filesystem::path> files = FilesOf(FindProgram(external));
     for (std::size_t k = 1; k < files.size(); ++k) InputFile(files[k]);

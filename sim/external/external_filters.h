@@ -10,9 +10,11 @@
 
 namespace gauntlet::sim {
 
-/// The consent of the person at the command line, --allow-programs: from now on, trials may run the
-/// programs that scenarios name. No file can give it.
-void AllowPrograms();
+/// The consent of the person, by --allow-programs or an argument in Python: from now on, trials may
+/// run the programs that scenarios name, or not any more. No file can give it.
+void AllowPrograms(bool allowed = true);
+/// The consent as messages call it, in place of --allow-programs. `option` lives for ever.
+void NameConsent(const char* option);
 
 /// True if the controller has a filter that is a program.
 bool HasPrograms(const controller::ControllerConfig& config);

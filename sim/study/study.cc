@@ -19,6 +19,7 @@
 #include "sim/hand/camera_view.h"
 #include "sim/recordings/recording.h"
 #include "sim/retargeting/fingertip_motion.h"
+#include "sim/scenario/scenario_reader.h"
 #include "sim/score/delay.h"
 #include "sim/study/counted_parts.h"
 #include "sim/study/prediction_fit.h"
@@ -372,6 +373,18 @@ Study PrepareStudy(const ScenarioSource& source, Scenario scenario) {
     throw UserError({.place = PlaceOfSetting(source, error.key()),
                      .key = error.key(),
                      .problem = error.problem()});
+  }
+}
+
+void CheckProgramsOf(const ScenarioSource& source, const std::vector<std::string>& controllers) {
+  Scenario scenario = ParseScenario(source);
+  KeepControllers(controllers, scenario);
+  try {
+    for (const NamedController& named : scenario.controllers) {
+      controller::WithinSetting("controllers." + named.name, [&] { CheckPrograms(named.config); });
+    }
+  } catch (const controller::SettingError& error) {
+    throw AtPlace(PlaceOfSetting(source, error.key()), error);
   }
 }
 

@@ -80,4 +80,8 @@ Study PrepareStudy(Scenario scenario);
 /// source, unless it has a place of its own: a model, a recording.
 Study PrepareStudy(const ScenarioSource& source, Scenario scenario);
 
+/// Checks the programs of these controllers of a scenario, of all if none is named, before many
+/// settings of it are tried. Errors: UserError, as without the consent to run them.
+void CheckProgramsOf(const ScenarioSource& source, const std::vector<std::string>& controllers);
+
 }  // namespace gauntlet::sim

@@ -32,7 +32,7 @@ Outcome OutcomeAt(double rate_hz, const controller::FilterConfig& config, int ch
     for (int k = 0; k < kSamples; ++k) {
       std::ranges::fill(values, k % 10 < 5 ? 0.0 : k);
       filter->Step(values, values);
-      outcome.values.push_back(values.front());
+      outcome.values.insert(outcome.values.end(), values.begin(), values.end());
     }
   } catch (const controller::SettingError& error) {
     outcome.refusal = error.what();

@@ -48,7 +48,7 @@ constexpr const char* kExponential = R"(    state = state or values
     alpha = parameters["alpha"]
     out = state = [y + alpha * (z - y) for y, z in zip(state, values)])";
 
-/// Waits a moment for its end. One that has ended is not running, even if nobody asks for its end.
+/// Waits a moment for its end. One that has ended is not running, even if its parent does not wait.
 bool IsRunning(pid_t process) {
   for (int look = 0; look < 100; ++look) {
     const std::string status = ReadFile(fmt::format("/proc/{}/stat", process));

@@ -229,7 +229,7 @@ def test_motors_without_a_listener_do_not_end_it(place):
     finish(session)
     facts = facts_in(place)
     check(facts["commands"]["failed"] > 0, str(facts["commands"]))
-    # A busy machine notices late that nobody listens. Until then motors go as fast as they return.
+    # A busy machine notices late that no program listens. Until then motors go as fast as they return.
     step = facts["commands"]["largest_step_counts"]
     check(step <= RETURN_STEP, f"motors without a sink move by {step} counts")
 

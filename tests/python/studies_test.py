@@ -42,6 +42,25 @@ class Studies(Test):
         self.assertEqual(first.json, again.json)
         self.assertTrue(any("continues from" in line for line in again.remarks), again.remarks)
 
+    def test_programs_run_with_consent_to_this_call_alone(self):
+        (self.folder / "f.py").write_text("import sys\nopen('was_here', 'w')\nnext(sys.stdin)\n"
+                                          "for line in sys.stdin: print(line, end='', flush=True)\n")
+        scenario = {"question": "q", "glove": {"channels": ["index_mcp"], "motion": {"kind": "sine", "duration_s": 0.3}},
+                    "controllers": {"none": {"filter": "none"},
+                                    "mine": {"filter": {"kind": "external", "command": "python3 f.py"}}}}
+        tuned = {"controller": "mine", "free": {"filter.timeout_ms": "100:200"}}
+        study = {"scenario": "s.yaml", "question": "q", "seeds": 1, "scores": ["tracking_rmse_deg"],
+                 "controllers": ["mine"], "axes": [{"key": "glove.motion.duration_s", "values": [0.3]}]}
+        (self.folder / "s.yaml").write_text(gauntlet.to_yaml(scenario))
+        for call in (lambda: gauntlet.run(scenario), lambda: gauntlet.compare(scenario, seeds=2, out="out"),
+                     lambda: gauntlet.tune(scenario, **tuned), lambda: gauntlet.sweep(study, out="cells")):
+            self.assertIn("runs only with allow_programs=True", str(self.mistake(call)))
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["f.py", "s.yaml"])
+        scores = gauntlet.run(scenario, allow_programs=True).summary("tracking_rmse_deg")
+        self.assertEqual(scores["mine"], scores["none"])
+        self.assertTrue((self.folder / "was_here").exists())
+        self.mistake(gauntlet.run, scenario)
+
     def test_a_dict_is_the_same_as_the_file(self):
         scenario = {"question": "none", "seed": 3, "glove": {"motion": {"kind": "hold", "duration_s": 0.4}},
                     "controllers": {"raw": {"filter": "none"}, "kalman": {"filter": {"kind": "kalman", "q": np.float64(0.001)}}}}
