@@ -1,17 +1,14 @@
 #include "sim/live/live_session.h"
 
 #include <fmt/format.h>
-#include <pthread.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <optional>
-#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -20,7 +17,10 @@
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
 #include "sim/device/device_clock.h"
+#include "sim/live/grid_follower.h"
 #include "sim/live/row_ring.h"
+#include "sim/live/session_threads.h"
+#include "sim/live/stage_clock.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_recorder.h"
 
@@ -42,86 +42,6 @@ struct InputHead {
   double stamp_s = 0.0;
   std::int64_t arrival_ns = 0;
   std::int64_t decoded_ns = 0;
-};
-
-/// When what happened to the sample behind a command.
-struct SampleTimes {
-  std::int64_t number = -1;
-  std::int64_t arrival_ns = 0;
-  std::int64_t decoded_ns = 0;
-  std::int64_t taken_ns = 0;
-  std::int64_t used_ns = 0;
-  std::int64_t filtered_ns = 0;
-};
-
-/// A command frame on its way to the output thread.
-struct OutputHead {
-  SampleTimes sample;
-  std::int64_t number = 0;
-  std::int64_t due_ns = 0;
-};
-
-/// Signals are for the thread that waits; the others would only sleep shorter.
-class WithoutSignals {
- public:
-  WithoutSignals() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before_);
-  }
-  ~WithoutSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  WithoutSignals(const WithoutSignals&) = delete;
-  WithoutSignals& operator=(const WithoutSignals&) = delete;
-
- private:
-  sigset_t before_;
-};
-
-/// The stages of commands; of the thread that sends them.
-class StageClock {
- public:
-  void Add(const OutputHead& head, std::int64_t sent_ns) noexcept {
-    if (head.sample.number < 0) return;
-    const SampleTimes& sample = head.sample;
-    const std::array<std::int64_t, kStages + 1> times = {
-        sample.arrival_ns,  sample.decoded_ns, sample.taken_ns, sample.used_ns,
-        sample.filtered_ns, head.due_ns,       sent_ns};
-    for (std::size_t stage = 0; stage < kStages; ++stage) {
-      stages[stage].Add(times[stage + 1] - times[stage]);
-    }
-    const std::int64_t age_ns = sent_ns - sample.arrival_ns;
-    total.Add(age_ns);
-    age_ms.Add(sent_ns, 1e-6 * static_cast<double>(age_ns));
-  }
-
-  std::array<DurationHistogram, kStages> stages;
-  DurationHistogram total;
-  TrendOfSeconds age_ms;
-};
-
-/// Lets the grid of samples follow a real glove so that `kInTime` of the frames arrive before the
-/// tick that uses them: the Robbins-Monro search of a quantile.
-class GridFollower {
- public:
-  explicit GridFollower(int ticks_per_sample) : period_(ticks_per_sample) {}
-
-  /// A frame arrived `wait_ticks` before the next sample, 0 to the period - 1. Returns by how much
-  /// the grid is to be shifted.
-  int Take(std::int64_t wait_ticks) noexcept {
-    constexpr double kInTime = 0.95;
-    constexpr int kCoarse = 4;
-    if (period_ < kCoarse) return 0;
-    if (wait_ticks == 0) return 0;
-    const bool is_late = 2 * wait_ticks > period_;
-    phase_ += is_late ? kInTime : kInTime - 1.0;
-    const int shift = phase_ >= 1.0 ? 1 : phase_ <= -1.0 ? -1 : 0;
-    phase_ -= shift;
-    return shift;
-  }
-
- private:
-  int period_;
-  double phase_ = 0.0;
 };
 
 /// Speed limits of the motors at begin and end, and while their sink is gone: those of the hand's
@@ -671,27 +591,6 @@ void Session::Log() {
   }
   MoveLog();
 }
-
-/// Threads that end before the session is destroyed, whatever happens.
-class Threads {
- public:
-  template <class Work>
-  void Start(const Work& work) {
-    const WithoutSignals without;
-    try {
-      threads_.emplace_back(work);
-    } catch (const std::system_error& error) {
-      throw RunError(fmt::format("cannot start a thread: {}", error.what()));
-    }
-  }
-  void Join() {
-    for (std::thread& thread : threads_) thread.join();
-    threads_.clear();
-  }
-
- private:
-  std::vector<std::thread> threads_;
-};
 
 void Session::RunLoop() {
   const auto trace_ticks =

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sim/live/duration_histogram.h"
+#include "sim/live/live_session.h"
+#include "sim/live/trend.h"
+
+namespace gauntlet::sim {
+
+/// When what happened to the sample behind a command.
+struct SampleTimes {
+  std::int64_t number = -1;
+  std::int64_t arrival_ns = 0;
+  std::int64_t decoded_ns = 0;
+  std::int64_t taken_ns = 0;
+  std::int64_t used_ns = 0;
+  std::int64_t filtered_ns = 0;
+};
+
+/// A command frame on its way to the output thread.
+struct OutputHead {
+  SampleTimes sample;
+  std::int64_t number = 0;
+  std::int64_t due_ns = 0;
+};
+
+/// The stages of commands; of the thread that sends them.
+class StageClock {
+ public:
+  void Add(const OutputHead& head, std::int64_t sent_ns) noexcept {
+    if (head.sample.number < 0) return;
+    const SampleTimes& sample = head.sample;
+    const std::array<std::int64_t, kStages + 1> times = {
+        sample.arrival_ns,  sample.decoded_ns, sample.taken_ns, sample.used_ns,
+        sample.filtered_ns, head.due_ns,       sent_ns};
+    for (std::size_t stage = 0; stage < kStages; ++stage) {
+      stages[stage].Add(times[stage + 1] - times[stage]);
+    }
+    const std::int64_t age_ns = sent_ns - sample.arrival_ns;
+    total.Add(age_ns);
+    age_ms.Add(sent_ns, 1e-6 * static_cast<double>(age_ns));
+  }
+
+  std::array<DurationHistogram, kStages> stages;
+  DurationHistogram total;
+  TrendOfSeconds age_ms;
+};
+
+}  // namespace gauntlet::sim
