@@ -26,6 +26,8 @@
 #include "sim/external/external_filters.h"
 #include "sim/live/live_report.h"
 #include "sim/live/live_session.h"
+#include "sim/live_server/live_server.h"
+#include "sim/report/live_page.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_reader.h"
 
@@ -33,6 +35,12 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr std::string_view kSimulated = "simulated";
+constexpr std::string_view kLoopback = "127.0.0.1";
+constexpr int kNoPage = -1;
+
+std::string ProblemOfIpv4(std::string& address) {
+  return IsIpv4(address) ? "" : "must be an IPv4 address, as 127.0.0.1 or 0.0.0.0";
+}
 
 struct LiveCommand {
   static constexpr auto kName = "live";
@@ -45,6 +53,8 @@ struct LiveCommand {
   double seconds = 0.0;
   std::vector<std::string> shadows;
   std::string record;
+  int page = kNoPage;
+  std::string listen{kLoopback};
   std::string out;
   std::vector<std::string> overrides;
   bool json = false;
@@ -72,6 +82,14 @@ struct LiveCommand {
         Option("--record", &record, {.value = "FILE.csv", .offer = Offer::kFiles},
                "file for the glove's samples, as a recording that every command takes "
                "[recording.csv in the output folder]"),
+        Option("--page", &page, {.value = "PORT", .range = {0, 65535}},
+               "show the running session to a browser on this computer; 0 takes any free port"),
+        Option("--listen", &listen,
+               {.value = "ADDRESS",
+                .shows_default = true,
+                .needs = {"--page"},
+                .check = ProblemOfIpv4},
+               "IPv4 address of the page; another one admits browsers on other computers"),
         OutOption(out, "output folder [out/<scenario>_live]"),
         SetOption(overrides, "change a value of the scenario; may be repeated"),
         Option("--json", &json, {}, "print live.json instead of the report"),
@@ -147,10 +165,35 @@ void SayHow(const LiveSetup& setup, const LinksConfig& wanted) {
   }
 }
 
+std::vector<std::string> ControllerNames(const LiveSetup& setup) {
+  std::vector<std::string> names = {setup.trial.controller_name};
+  for (const ShadowSetup& shadow : setup.shadows) names.push_back(shadow.name);
+  return names;
+}
+
+/// The page of a session; nothing without --page.
+std::unique_ptr<LiveServer> ServePage(const LiveCommand& command, const Study& study,
+                                      const LiveSetup& setup) {
+  if (command.page == kNoPage) return nullptr;
+  LiveServerConfig config{.address = command.listen,
+                          .port = command.page,
+                          .nonce = RandomToken(),
+                          .controllers = ControllerNames(setup)};
+  config.page = LivePage(study, setup, config.nonce);
+  auto server = std::make_unique<LiveServer>(std::move(config), *setup.view);
+  Say("gauntlet: page at {}\n", server->Address());
+  if (!command.listen.starts_with("127.")) {
+    Say("gauntlet: the page is not encrypted: the network can read its address, and who has the "
+        "address can switch controllers\n");
+  }
+  return server;
+}
+
 LiveContext ContextOf(const LiveCommand& command, const Study& study, const LiveSetup& setup) {
   LiveContext context{
       .scenario = study.scenario.name,
       .controller = command.controller,
+      .controllers = ControllerNames(setup),
       .glove = setup.source == nullptr ? std::string(kSimulated) : setup.source->Description(),
       .motors = setup.sink == nullptr ? std::string(kSimulated) : setup.sink->Description(),
       .has_real_glove = setup.source != nullptr,
@@ -247,9 +290,12 @@ void RunLiveCommand(const LiveCommand& command) {
   std::optional<OutputFile> recording_file;
   if (glove_address || !command.record.empty()) recording_file.emplace(NewRecording(recording));
   SayHow(setup, wanted);
+  LiveView view(study.calibration.channel_names.size(), study.hand->joint_names().size());
+  if (command.page != kNoPage) setup.view = &view;
   LiveResult result;
   {
     const EndsAtSecondSignal gently;
+    const auto server = ServePage(command, study, setup);
     result = RunLive(setup);
   }
   if (!result.columns_remark.empty()) Say("gauntlet: {}\n", result.columns_remark);

@@ -198,11 +198,18 @@ LiveOutcome ScoreSession(const LiveRecord& record, const std::filesystem::path& 
     outcome.remark =
         fmt::format("the trace lacks {} ticks: the disk was too slow", result.trace_rows_left_out);
   }
+  if (result.facts.switch_count > 0) {
+    outcome.remark +=
+        fmt::format("{}trace and scores are of {} alone, until the first switch after {:.2f} s",
+                    outcome.remark.empty() ? "" : "; ", record.setup->trial.controller_name,
+                    result.facts.switches.front().time_s);
+  }
   if (result.shadows.empty()) return outcome;
   const Trace& driven = outcome.finished->result.first_traces.front();
   outcome.shadows.push_back(ScoreOf(*outcome.finished, record.setup->trial.controller_name,
                                     driven.target_angle_rad, result.facts.step_cpu));
   outcome.shadows.front().drives = true;
+  if (result.facts.switch_count > 0) outcome.shadows.front().step_p99_us = controller::kNaN;
   const Index ticks = driven.target_angle_rad.rows();
   for (std::size_t i = 0; i < result.shadows.size(); ++i) {
     Signal& target_rad = result.shadows[i].target_angle_rad;

@@ -172,6 +172,17 @@ std::string WatchdogText(const LiveFacts& facts) {
   return text;
 }
 
+std::string SwitchText(const LiveFacts& facts, const LiveContext& context) {
+  std::string text;
+  for (const Switched& switched : facts.switches) {
+    text +=
+        fmt::format("{}{} from {:.2f} s", text.empty() ? "" : ", ",
+                    context.controllers[static_cast<std::size_t>(switched.to)], switched.time_s);
+  }
+  if (facts.switch_count > std::ssize(facts.switches)) text += ", ..";
+  return fmt::format("Switches of the controller: {} ({}).", facts.switch_count, text);
+}
+
 std::string LoopText(const LiveFacts& facts) {
   return fmt::format(
       "Loop: {} ticks. The machine: wake-ups late by {} ms (p50), {} (p99), {} (max); {} ticks "
@@ -330,6 +341,7 @@ ResultText LiveText(const LiveFacts& facts, const LiveContext& context) {
     text.emplace_back("No command frame was sent.");
   }
   std::string rest = context.has_real_glove ? FramesText(facts, context) + "\n" : "";
+  if (facts.switch_count > 0) rest += SwitchText(facts, context) + "\n";
   rest += TrendText(facts) + "\n" + QueueText(facts, context) + "\n" + WatchdogText(facts) + "\n" +
           LoopText(facts);
   text.emplace_back(std::move(rest));
@@ -408,6 +420,14 @@ nlohmann::ordered_json LiveJson(const LiveFacts& facts, const LiveContext& conte
                   {"step", JsonOf(facts.step)},
                   {"step_processor_time", JsonOf(facts.step_cpu)},
                   {"tick_work", JsonOf(facts.tick_work)}};
+  if (facts.switch_count > 0) {
+    auto& list = json["switches"]["first"] = nlohmann::ordered_json::array();
+    for (const Switched& switched : facts.switches) {
+      list.push_back({{"time_s", switched.time_s},
+                      {"controller", context.controllers[static_cast<std::size_t>(switched.to)]}});
+    }
+    json["switches"]["count"] = facts.switch_count;
+  }
   json["untrusted_samples"] = facts.untrusted_samples;
   json["assumed"] = {{"event_delay_ms", context.event_delay_ms},
                      {"hand", context.has_motors ? "simulated beside the motors" : "simulated"}};

@@ -14,8 +14,9 @@ namespace gauntlet::sim {
 struct LiveContext {
   std::string scenario;
   std::string controller;
-  std::string glove;   // description of the source
-  std::string motors;  // of the sink
+  std::vector<std::string> controllers;  // that one first, then the shadows
+  std::string glove;                     // description of the source
+  std::string motors;                    // of the sink
   bool has_real_glove = false;
   bool has_motors = false;
   controller::Timing timing;

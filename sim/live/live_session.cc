@@ -17,6 +17,7 @@
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
 #include "sim/device/device_clock.h"
+#include "sim/live/controller_switch.h"
 #include "sim/live/grid_follower.h"
 #include "sim/live/row_ring.h"
 #include "sim/live/session_threads.h"
@@ -60,6 +61,12 @@ WatchdogConfig RestOf(const LinksConfig& links) {
   return {.settings = tiers};
 }
 
+std::vector<controller::ControllerConfig> ControllersOf(std::span<const ShadowSetup> shadows) {
+  std::vector<controller::ControllerConfig> configs;
+  for (const ShadowSetup& shadow : shadows) configs.push_back(shadow.controller);
+  return configs;
+}
+
 class Session {
  public:
   explicit Session(const LiveSetup& setup);
@@ -86,6 +93,9 @@ class Session {
   void StepShadows() noexcept;
   void Skip(std::int64_t ticks) noexcept;
   void WatchTiers() noexcept;
+  void SwitchIfAsked() noexcept;
+  void ShowMoment(std::int64_t lateness_ns) noexcept;
+  bool IsTraced() const noexcept { return !is_ending_ && result_.facts.switch_count == 0; }
   void Tick(const PeriodicWake::Woken& woken) noexcept;
   bool IsDone() noexcept;
   void BeginEnd(LiveEnd end) noexcept;
@@ -103,6 +113,7 @@ class Session {
   HandLoop loop_;
   Watchdog rest_;
   std::vector<controller::Controller> shadows_;
+  ControllerSwitch switch_;
   FrameChannels channels_;
 
   std::atomic<std::uint32_t> output_calls_ = 0;
@@ -152,6 +163,9 @@ class Session {
   std::int64_t woken_ns_ = 0;
   std::int64_t step_begin_ns_ = 0;
   std::int64_t tier_ticks_ = 0;
+  std::vector<double> hand_rad_;
+  std::int64_t ticks_to_show_ = 0;
+  std::int64_t largest_lateness_ns_ = 0;  // since the moment that was shown last
 };
 
 Session::Session(const LiveSetup& setup)
@@ -164,8 +178,10 @@ Session::Session(const LiveSetup& setup)
       loop_(setup.trial.controller, setup.trial.calibration, setup.trial.joint_map,
             setup.trial.hand, setup.trial.links),
       rest_(RestOf(setup.trial.links.config), setup.trial.hand->transmission(), timing_),
+      switch_(loop_, ControllersOf(setup.shadows)),
       channels_(setup.channels),
       has_motors_(setup.sink != nullptr),
+      clock_(setup.view),
       grid_(timing_.ticks_per_sample),
       times_(4096),
       first_counts_(input_.width(), controller::kNaN),
@@ -173,12 +189,14 @@ Session::Session(const LiveSetup& setup)
       wanted_(output_.width()),
       sent_(output_.width()),
       sent_values_(output_.width()),
-      targets_row_(targets_.width()) {
+      targets_row_(targets_.width()),
+      hand_rad_(setup.trial.hand->joint_names().size()) {
   for (const ShadowSetup& shadow : setup.shadows) {
     shadows_.emplace_back(shadow.controller, setup.trial.calibration,
                           setup.trial.hand->transmission(), timing_, setup.trial.joint_map);
   }
   result_.shadows.resize(shadows_.size());
+  result_.facts.switches.reserve(kMostSwitches);
 }
 
 /// A sender of packets repeats the names of its columns once a second: until then a listener that
@@ -463,11 +481,46 @@ void Session::Skip(std::int64_t ticks) noexcept {
   facts.skipped_ticks += ticks;
   facts.longest_skip_ticks = std::max(facts.longest_skip_ticks, ticks);
   for (std::int64_t tick = 0; tick < ticks; ++tick) {
-    if (!is_ending_) recorder_->Record(loop_);
+    if (IsTraced()) recorder_->Record(loop_);
     if (!shadows_.empty() && !is_ending_) targets_.Push(loop_.tick() + tick, targets_row_);
     rest_.Watch(!sink_is_gone_.load(std::memory_order_relaxed) && !is_ending_);
   }
   loop_.Skip(ticks);
+}
+
+void Session::SwitchIfAsked() noexcept {
+  if (setup_.view == nullptr || is_ending_) return;
+  if (!switch_.To(setup_.view->TakeAsked(), loop_)) return;
+  LiveFacts& facts = result_.facts;
+  ++facts.switch_count;
+  if (facts.switches.size() == kMostSwitches) return;  // what is reserved
+  facts.switches.push_back({.time_s = static_cast<double>(loop_.tick()) / timing_.tick_rate_hz,
+                            .to = switch_.driving()});
+}
+
+void Session::ShowMoment(std::int64_t lateness_ns) noexcept {
+  if (setup_.view == nullptr) return;
+  largest_lateness_ns_ = std::max(largest_lateness_ns_, lateness_ns);
+  if (--ticks_to_show_ > 0) return;
+  ticks_to_show_ = std::llround(timing_.tick_rate_hz / LiveView::kRate_hz);
+  const LiveFacts& facts = result_.facts;
+  const Receiver* receiver = loop_.glove_receiver();
+  const controller::Controller& controller = loop_.controller();
+  loop_.hand().ReadJointAngles(hand_rad_);
+  setup_.view->Show(
+      {.time_s = static_cast<double>(loop_.tick()) / timing_.tick_rate_hz,
+       .largest_lateness_s = 1e-9 * static_cast<double>(largest_lateness_ns_),
+       .skipped_ticks = facts.skipped_ticks,
+       .waiting_frames = static_cast<std::int64_t>(input_.waiting()),
+       .queued_frames =
+           receiver == nullptr ? 0 : static_cast<std::int64_t>(receiver->waiting_frames()),
+       .commands = facts.commands,
+       .repeated_samples = facts.repeated_samples,
+       .driving = switch_.driving(),
+       .tier = loop_.watchdog_tier(),
+       .has_sink = !sink_is_gone_.load(std::memory_order_relaxed)},
+      controller.linearised_angle_rad(), controller.target_angle_rad(), hand_rad_);
+  largest_lateness_ns_ = 0;
 }
 
 void Session::Tick(const PeriodicWake::Woken& woken) noexcept {
@@ -475,6 +528,7 @@ void Session::Tick(const PeriodicWake::Woken& woken) noexcept {
   woken_ns_ = woken.nominal_ns + woken.lateness_ns;
   const std::int64_t cpu_begin_ns = NowOf_ns(CLOCK_THREAD_CPUTIME_ID);
   if (woken.skipped > 0) Skip(woken.skipped);
+  SwitchIfAsked();
   facts.lateness.Add(woken.lateness_ns);
   std::span<const std::int32_t> frame;
   if (!StepGlove(frame)) {
@@ -492,8 +546,9 @@ void Session::Tick(const PeriodicWake::Woken& woken) noexcept {
   WatchTiers();
   if (!is_ending_) {
     ++facts.ticks;
-    if (loop_.hand().health().ok) recorder_->Record(loop_);
+    if (IsTraced() && loop_.hand().health().ok) recorder_->Record(loop_);
   }
+  ShowMoment(woken.lateness_ns);
   facts.tick_work.Add(MonotonicNow_ns() - woken_ns_);
 }
 

@@ -13,6 +13,7 @@
 #include "sim/live/duration_histogram.h"
 #include "sim/live/frame_arrivals.h"
 #include "sim/live/frame_channels.h"
+#include "sim/live/live_view.h"
 #include "sim/live/real_time.h"
 #include "sim/live/trend.h"
 #include "sim/trial/trial.h"
@@ -62,7 +63,10 @@ struct LiveSetup {
   double seconds = 0.0;                              // 0: until the source ends, or StopAsked()
   double trace_s = 120.0;                            // the trace ends then
   std::function<void(const std::string&)> say = {};  // a line for the user
+  LiveView* view = nullptr;                          // for one who watches
 };
+
+inline constexpr std::size_t kMostSwitches = 256;
 
 /// Reason for which a session ended.
 enum class LiveEnd : std::uint8_t { kSeconds, kGloveEnded, kStopped, kSinkGone, kHandStopped };
@@ -71,6 +75,12 @@ enum class LiveEnd : std::uint8_t { kSeconds, kGloveEnded, kStopped, kSinkGone, 
 struct TierFacts {
   std::int64_t entered = 0;
   double longest_s = 0.0;
+};
+
+/// Another controller took over.
+struct Switched {
+  double time_s = 0.0;  // since the first sample
+  int to = 0;           // as in LiveView::Ask()
 };
 
 /// What was measured. Times are of CLOCK_MONOTONIC, in the computer.
@@ -104,7 +114,9 @@ struct LiveFacts {
   std::int64_t late_frames = 0;         // that arrived after the receiver needed them
   std::int64_t grid_shifts = 0;         // of the sampling grid, in ticks
   std::array<TierFacts, 4> tiers = {};  // of Watchdog::Tier
-  std::int64_t rests = 0;  // times that the motors were brought to rest: sink gone, or end
+  std::int64_t switch_count = 0;
+  std::vector<Switched> switches;  // the first of them, at most kMostSwitches
+  std::int64_t rests = 0;          // times that the motors were brought to rest: sink gone, or end
   std::vector<std::int64_t> untrusted_samples;  // per channel
 };
 
@@ -132,6 +144,9 @@ struct LiveResult {
 /// decided by the receiver and the watchdog of `link.glove`; a device that vanishes may come back.
 /// Before a session with real motors ends, and while their sink is gone, the motors turn to their
 /// rest positions at a limited speed, and so they follow again.
+///
+/// A watcher may switch to the controller of a shadow and back. The trace ends at the first switch:
+/// it is of one controller. Shadows and the recording go on.
 ///
 /// Errors: UserError for frames that are not those of the glove; RunError if no thread starts.
 LiveResult RunLive(const LiveSetup& setup);

@@ -5,6 +5,7 @@
 
 #include "sim/live/duration_histogram.h"
 #include "sim/live/live_session.h"
+#include "sim/live/live_view.h"
 #include "sim/live/trend.h"
 
 namespace gauntlet::sim {
@@ -29,6 +30,8 @@ struct OutputHead {
 /// The stages of commands; of the thread that sends them.
 class StageClock {
  public:
+  explicit StageClock(LiveView* view) : view_(view) {}
+
   void Add(const OutputHead& head, std::int64_t sent_ns) noexcept {
     if (head.sample.number < 0) return;
     const SampleTimes& sample = head.sample;
@@ -36,8 +39,11 @@ class StageClock {
         sample.arrival_ns,  sample.decoded_ns, sample.taken_ns, sample.used_ns,
         sample.filtered_ns, head.due_ns,       sent_ns};
     for (std::size_t stage = 0; stage < kStages; ++stage) {
-      stages[stage].Add(times[stage + 1] - times[stage]);
+      const std::int64_t duration_ns = times[stage + 1] - times[stage];
+      stages[stage].Add(duration_ns);
+      stages_us_[stage] = 1e-3 * static_cast<double>(duration_ns);
     }
+    if (view_ != nullptr) view_->ShowStages(stages_us_);
     const std::int64_t age_ns = sent_ns - sample.arrival_ns;
     total.Add(age_ns);
     age_ms.Add(sent_ns, 1e-6 * static_cast<double>(age_ns));
@@ -46,6 +52,12 @@ class StageClock {
   std::array<DurationHistogram, kStages> stages;
   DurationHistogram total;
   TrendOfSeconds age_ms;
+
+ private:
+  static_assert(kStages == LiveView::kStageRows);
+
+  LiveView* view_;
+  std::array<double, kStages> stages_us_ = {};
 };
 
 }  // namespace gauntlet::sim

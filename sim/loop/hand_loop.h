@@ -62,6 +62,9 @@ class HandLoop {
   /// meanwhile, while frames grow older and the watchdogs count.
   void Skip(std::int64_t ticks) noexcept;
 
+  /// The controller takes over other settings, as Controller::Swap() does.
+  bool Swap(controller::Controller& next) noexcept { return controller_.Swap(next); }
+
   const controller::Controller& controller() const noexcept { return controller_; }
   const Hand& hand() const noexcept { return hand_; }
   /// What the joint sensors said last, as the controller has it; NaN before their first reading,

@@ -16,6 +16,9 @@ extern const std::string_view kCellsHtml;    // the page of a sweep, of tuning a
 extern const std::string_view kPlainHtml;    // a page without scripts
 extern const std::string_view kCellsStyle;   // cells.css, to stand behind kStyle
 extern const std::string_view kCellsScript;  // what it needs of *.js
+extern const std::string_view kLiveHtml;     // the page of a running session
+extern const std::string_view kLiveStyle;    // live.css, to stand behind kStyle
+extern const std::string_view kLiveScript;   // what it needs of *.js
 extern const std::string_view kPlotStyle;    // dygraph.min.css
 extern const std::string_view kPlotLibrary;  // dygraph.min.js
 extern const std::string_view kReplayLibrary;  // three.min.js and its OrbitControls.js

@@ -1,6 +1,6 @@
 # Writes OUTPUT, a .cc file that defines the strings of assets.h. Run at build time:
 #   cmake -D OUTPUT=.. -D ASSETS=<folder> -D DYGRAPHS=<folder> -D THREE=<folder> -D SCRIPTS=a.js,b.js
-#         -D CELLS_SCRIPTS=a.js,c.js -P embed_assets.cmake
+#         -D CELLS_SCRIPTS=a.js,c.js -D LIVE_SCRIPTS=a.js,d.js -P embed_assets.cmake
 
 # GCC takes string literals of any length.
 function(add_text constant text)
@@ -42,6 +42,10 @@ read_text("${ASSETS}/plain.html")
 add_text(kPlainHtml "${head}${text}")
 read_text("${ASSETS}/cells.css")
 add_text(kCellsStyle "${text}")
+read_text("${ASSETS}/live.html")
+add_text(kLiveHtml "${head}${text}")
+read_text("${ASSETS}/live.css")
+add_text(kLiveStyle "${text}")
 
 function(add_scripts constant names)
   string(REPLACE "," ";" names "${names}")
@@ -56,5 +60,6 @@ endfunction()
 
 add_scripts(kScript "${SCRIPTS}")
 add_scripts(kCellsScript "${CELLS_SCRIPTS}")
+add_scripts(kLiveScript "${LIVE_SCRIPTS}")
 string(APPEND code "\n}  // namespace gauntlet::sim::assets\n")
 file(WRITE "${OUTPUT}" "${code}")

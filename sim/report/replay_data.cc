@@ -91,6 +91,12 @@ Json ShapesJson(const HandShapes& shapes) {
   return json;
 }
 
+Json HandJson(const HandShapes& shapes, const HandModel& hand) {
+  Json json = ShapesJson(shapes);
+  json["joints"] = hand.joint_names();
+  return json;
+}
+
 /// Of each joint the mean [deg].
 std::vector<double> MeansOf(const Signal& angle_rad) {
   std::vector<double> means;
@@ -116,13 +122,16 @@ Json PoseCurves(const Signal& pose, Eigen::Index stride) {
 
 }  // namespace
 
+Json HandData(const HandModel& hand, const std::string& camera) {
+  return HandJson(ShapesOf(hand, camera), hand);
+}
+
 Json ReplayData(const FinishedStudy& finished) {
   const Study& study = finished.study;
   const std::vector<Trace>& traces = finished.result.first_traces;
   if (study.hand == nullptr || traces.empty()) return nullptr;
   const HandShapes shapes = ShapesOf(*study.hand, CameraViewOf(study.scenario.video.camera).camera);
-  Json json = ShapesJson(shapes);
-  json["joints"] = study.hand->joint_names();
+  Json json = HandJson(shapes, *study.hand);
   json["held_deg"]["wearer"] = Rounded(MeansOf(finished.result.first_reference_rad));
   for (const Trace& trace : traces) {
     json["held_deg"]["controllers"].push_back(Rounded(MeansOf(trace.hand_angle_rad)));

@@ -1,10 +1,16 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "sim/comparison/summary.h"
+#include "sim/hand/hand_model.h"
 
 namespace gauntlet::sim {
+
+/// Shapes, hinges and cables of a hand, and a camera of the model: what hand_scene.js draws.
+/// Lengths in m, angles in deg.
+nlohmann::ordered_json HandData(const HandModel& hand, const std::string& camera);
 
 /// What the page needs, besides its curves, to move the hand: the hand's shapes, hinges and cables,
 /// where joints stand that are not measured (their mean, as they only hold a posture), and the way

@@ -1,9 +1,9 @@
 // The hand itself, moving: what a controller's hand did, with the wearer's as a ghost behind it.
 
-class ReplayView {
+class ReplayView extends HandScene {
   constructor(data, store, clock) {
+    super(byId("replay-canvas"), data.replay, byId("replay-note"));
     this.data = data;
-    this.replay = data.replay;
     this.clock = clock;
     this.store = store;
     this.video = null;
@@ -12,9 +12,6 @@ class ReplayView {
     this.channels = this.replay.joints.map((name) => data.channels.indexOf(name));  // -1: not measured
     this.time = 0;
     this.playing = false;
-    this.canvas = byId("replay-canvas");
-    this.makePicture();
-    this.carrier = this.replay.camera?.body ?? 0;
     const look = (controller) => ({opaque: false, colour: resolvedColour(colourName(controller)), beyond: this.carrier});
     this.hand = new ReplayHand(this.replay);
     this.other = new ReplayHand(this.replay);
@@ -23,7 +20,7 @@ class ReplayView {
     this.picture.add(this.other, look(0));
     this.picture.add(this.ghost, {...look(0), colour: resolvedColour("var(--wearer)")});
     this.chooseControllers();
-    this.placeCamera();
+    this.placeCamera(this.hand, this.postures());
     this.listen();
     this.show(0);
     if (this.loop) this.showDecisiveSecond();
@@ -37,19 +34,6 @@ class ReplayView {
       if (!this.loop) observer.disconnect();
       else if (isIntersecting !== this.playing) this.play(isIntersecting);
     }).observe(this.canvas);
-  }
-
-  makePicture() {
-    try {
-      this.picture = new WebGlPicture(this.canvas, this.replay);
-    } catch (error) {
-      // A canvas that was asked for WebGL gives nothing else.
-      const canvas = this.canvas.cloneNode();
-      this.canvas.replaceWith(canvas);
-      this.canvas = canvas;
-      this.picture = new FlatPicture(canvas, this.replay);
-      byId("replay-note").append(" This browser has no WebGL: shapes are drawn flat, and cables are not.");
-    }
   }
 
   chooseControllers() {
@@ -99,6 +83,12 @@ class ReplayView {
     return curves.length === 7 ? curves.map((values) => this.at(values, time_s * object.rate_hz)) : null;
   }
 
+  // Of the wearer and of the hand, for the place of the camera.
+  postures() {
+    return [...Array(9).keys()].flatMap((i) => [null, this.shown().hand].map(
+      (controller) => this.anglesAt(controller, this.store.duration_s * i / 8)));
+  }
+
   // What each hand is of: a controller, the wearer (null), or nothing (-1).
   shown() {
     const number = (id) => (byId(id).value === "" ? -1 : Number(byId(id).value));
@@ -134,15 +124,6 @@ class ReplayView {
   // Other colours or another width.
   redraw() { this.show(this.time); }
 
-  drawNow() {
-    const width = this.canvas.clientWidth;
-    const height = this.canvas.clientHeight;
-    if (width === 0) return;
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
-    this.picture.draw(this.camera, (hand) => this.fromCarrier(hand), width, height);
-  }
-
   goOn(now_ms) {
     const passed_s = Math.min(0.1, (now_ms - (this.last_ms ?? now_ms)) / 1e3) * Number(byId("replay-speed").value);
     this.last_ms = now_ms;
@@ -175,70 +156,6 @@ class ReplayView {
     else this.video?.leave();
   }
 
-  // --- camera -----------------------------------------------------------------------------------
-
-  // A camera that an arm carries sees each hand from that hand's own arm, as in the video.
-  fromCarrier(hand) {
-    return new THREE.Matrix4().getInverse(hand.bodies[this.carrier].matrixWorld);
-  }
-
-  // Looks from where the model's camera looks, at all bodies that move beyond what carries it.
-  placeCamera() {
-    const {camera} = this.replay;
-    this.camera = new THREE.PerspectiveCamera(camera?.height_deg ?? 40, 1, 0.005, 20);
-    const reach = new THREE.Box3();
-    const moving = new Set(this.replay.hinges.map(({body}) => body));
-    const palm = this.palmAmong(moving);
-    for (let i = 0; i < 9; ++i) {
-      for (const controller of [null, this.shown().hand]) {
-        this.hand.pose(this.anglesAt(controller, this.store.duration_s * i / 8));
-        const view = this.fromCarrier(this.hand);
-        for (const {body, frame} of this.replay.shapes) {
-          const root = [...moving].some((m) => this.hand.hangsOn(body, m));
-          if (!root || body === this.carrier || !this.hand.hangsOn(body, palm)) continue;
-          reach.expandByPoint(new THREE.Vector3().fromArray(frame)
-            .applyMatrix4(this.hand.bodies[body].matrixWorld).applyMatrix4(view));
-        }
-      }
-    }
-    const ball = reach.getBoundingSphere(new THREE.Sphere());
-    const look = new THREE.Object3D();
-    placeAt(look, camera?.frame ?? [0, 0, 0, 0.854, 0.354, 0.146, 0.354]);
-    this.camera.up.set(0, 1, 0).applyQuaternion(look.quaternion);
-    const back = new THREE.Vector3(0, 0, 1).applyQuaternion(look.quaternion);
-    const away = 0.95 * (ball.radius + 0.02) / Math.sin(this.camera.fov * RAD_PER_DEG / 2);
-    this.camera.position.copy(ball.center).addScaledVector(back, away);
-    this.camera.target = ball.center;
-    this.controls = new THREE.OrbitControls(this.camera, this.canvas);
-    this.controls.target.copy(ball.center);
-    this.controls.enableKeys = false;
-    this.controls.enableZoom = false;  // a page that is scrolled over it stays as it is
-    this.controls.minDistance = 0.1 * away;
-    this.controls.maxDistance = 8 * away;
-    this.controls.update();
-    this.controls.saveState();
-  }
-
-  // The body that carries most of those that move by themselves: fingers.
-  palmAmong(moving) {
-    const carried = new Map();
-    for (const body of moving) {
-      const {parent} = this.replay.bodies[body];
-      carried.set(parent, (carried.get(parent) ?? 0) + 1);
-    }
-    return [...carried].reduce((most, one) => (one[1] > most[1] ? one : most), [this.carrier, 0])[0];
-  }
-
-  turn(aside_rad, up_rad) {
-    const arm = this.camera.position.clone().sub(this.controls.target);
-    arm.applyAxisAngle(this.camera.up, aside_rad);
-    const level = this.camera.up.clone().cross(arm).normalize();
-    arm.applyAxisAngle(level, up_rad);
-    this.camera.position.copy(this.controls.target).add(arm);
-    this.controls.update();
-    this.draw();
-  }
-
   // --- what a person does -----------------------------------------------------------------------
 
   listen() {
@@ -257,15 +174,6 @@ class ReplayView {
       this.moveTo(Number(this.range.value));
     });
     this.range.addEventListener("change", () => this.clock.set(this.time, "replay", true));
-    this.controls.addEventListener("change", () => this.draw());
-    this.canvas.addEventListener("pointerdown", () => { this.controls.enableZoom = true; });
-    this.canvas.addEventListener("pointerleave", () => { this.controls.enableZoom = false; });
-    this.canvas.addEventListener("keydown", (event) => {
-      const turns = {ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1]};
-      if (!turns[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
-      this.turn(...turns[event.key]);
-      event.preventDefault();
-    });
     this.clock.listen("replay", (time_s) => this.follow(time_s));
   }
 }

@@ -1,0 +1,50 @@
+#include "sim/report/live_page.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sim/figure/palette.h"
+#include "sim/hand/camera_view.h"
+#include "sim/report/assets.h"
+#include "sim/report/replay_data.h"
+#include "sim/results/html_text.h"
+
+namespace gauntlet::sim {
+namespace {
+
+std::string DataOf(const Study& study, const LiveSetup& setup) {
+  nlohmann::ordered_json data = {
+      {"hand", HandData(*study.hand, CameraViewOf(study.scenario.video.camera).camera)},
+      {"channels", study.calibration.channel_names},
+      {"joints", study.hand->joint_names()},
+      {"stages", nlohmann::ordered_json::array()},
+      {"controllers", {setup.trial.controller_name}},
+      {"has_motors", setup.sink != nullptr}};
+  for (const StageName& stage : kStageNames) data["stages"].push_back(stage.text);
+  for (const ShadowSetup& shadow : setup.shadows) data["controllers"].push_back(shadow.name);
+  auto& rest = data["rest_deg"] = nlohmann::ordered_json::array();
+  for (const double angle_rad : study.hand->transmission().reference_angle_rad) {
+    rest.push_back(angle_rad * kDegPerRad);
+  }
+  return JsonForScript(data);
+}
+
+}  // namespace
+
+std::string LivePage(const Study& study, const LiveSetup& setup, const std::string& nonce) {
+  return FillTemplate(
+      assets::kLiveHtml,
+      {{"kind", "Gauntlet live"},
+       {"title", EscapeHtml(study.scenario.name)},
+       {"glove", EscapeHtml(setup.source == nullptr ? "simulated" : setup.source->Description())},
+       {"motors", EscapeHtml(setup.sink == nullptr ? "simulated" : setup.sink->Description())},
+       {"sources", fmt::format("script-src 'nonce-{}'; connect-src 'self'; ", nonce)},
+       {"nonce", nonce},
+       {"style", PaletteCss() + std::string(assets::kStyle) + std::string(assets::kLiveStyle)},
+       {"data", DataOf(study, setup)},
+       {"replay_library", std::string(assets::kReplayLibrary)},
+       {"script", std::string(assets::kLiveScript)}});
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/live/live_session.h"
+#include "sim/study/study.h"
+
+namespace gauntlet::sim {
+
+/// The page of a running session: the hand, the last seconds of the curves, the time of the stages,
+/// queues and watchdog, and the choice of the controller. It has no measurements of its own:
+/// `GET events` gives them, and `POST switch` asks for a controller, both beside the page and with
+/// the token of its address. Scripts bear `nonce`, for the content security policy.
+std::string LivePage(const Study& study, const LiveSetup& setup, const std::string& nonce);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,255 @@
+#!/usr/bin/env python3
+"""The page of `gauntlet live` as a whole command: who may see it, what switches the controller, and what browsers that
+do not read cost a session. In Chromium, too, where there is one."""
+import http.client
+import json
+import pathlib
+import re
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+import chromium
+
+PROGRAM = pathlib.Path(sys.argv[1]).resolve()
+COUNTS_PER_RAD = 4096 / 6.283185307179586
+LARGEST_STEP = 20.0 * 0.02 * COUNTS_PER_RAD + 1.0  # motor.speed_limit_rad_s in a command frame
+
+
+def check(is_right, what):
+    if not is_right:
+        raise AssertionError(what)
+
+
+class Session:
+    """A running session, and requests as they should not be."""
+
+    def __init__(self, place, *arguments):
+        self.place = place
+        self.process = subprocess.Popen(
+            [PROGRAM, "live", "random_motion", "--controller", "raw", "--shadow", "tuned_kalman",
+             "--page", "0", "--out", place, *arguments],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for line in self.process.stderr:
+            found = re.search(r"page at (http://127\.0\.0\.1:(\d+)/\?token=([0-9a-f]{32}))$", line)
+            if found:
+                break
+        else:
+            raise AssertionError("no address was printed")
+        self.address, self.port, self.token = found[1], int(found[2]), found[3]
+
+    def ask(self, method="GET", path="/", token=None, body=None, headers=()):
+        """Status and body. The headers replace those of a browser."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=10)
+        token = self.token if token is None else token
+        connection.putrequest(method, path + ("?token=" + token if token else ""), skip_host=True)
+        for name, value in {"Host": f"127.0.0.1:{self.port}", "Connection": "close",
+                            **({"Content-Length": str(len(body))} if body is not None else {}),
+                            **dict(headers)}.items():
+            connection.putheader(name, value)
+        connection.endheaders(body.encode() if body is not None else None)
+        response = connection.getresponse()
+        answer = response.status, response.read().decode(), response
+        connection.close()
+        return answer
+
+    def events(self):
+        """A stream of moments."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=10)
+        connection.request("GET", "/events?token=" + self.token)
+        response = connection.getresponse()
+        check(response.status == 200, f"events: {response.status}")
+        check(response.getheader("Content-Type").startswith("text/event-stream"), "no event stream")
+        for line in response:
+            if line.startswith(b"data: {"):
+                moment = json.loads(line[6:])
+                if "has_ended" in moment:
+                    return
+                yield moment
+
+    def end(self, exit_code=0):
+        self.process.send_signal(signal.SIGINT)
+        out, err = self.process.communicate(timeout=30)
+        check(self.process.returncode == exit_code, f"exit code {self.process.returncode}: {err}")
+        return out, err, json.loads((self.place / "live.json").read_text())
+
+
+def test_only_the_address_that_was_printed_shows_the_page(place):
+    session = Session(place / "live")
+    status, page, response = session.ask()
+    check(status == 200 and "<h1>random_motion</h1>" in page, f"page: {status}")
+    policy = response.getheader("Content-Security-Policy")
+    check("default-src 'none'" in policy and "unsafe-eval" not in policy, policy)
+    nonce = re.search(r"script-src 'nonce-([0-9a-f]{32})'", policy)[1]
+    check(f'nonce="{nonce}"' in page and session.token not in page, "nonce or token of the page")
+    check(not re.search(r'(?:src|href)="(?!data:|#)', page), "the page loads something")
+    check(response.getheader("Access-Control-Allow-Origin") is None, "other pages may read it")
+    own = f"http://127.0.0.1:{session.port}"
+    wrong = "0" * 32 if session.token != "0" * 32 else "1" * 32
+    for method, path in (("GET", "/"), ("GET", "/events"), ("POST", "/switch"), ("GET", "/nothing")):
+        body = "tuned_kalman" if method == "POST" else None
+        for what, changes in {
+                "no token": {"token": ""}, "a wrong token": {"token": wrong},
+                "a part of the token": {"token": session.token[:31]},
+                "another host": {"headers": {"Host": f"evil.test:{session.port}"}},
+                "another port": {"headers": {"Host": f"127.0.0.1:{session.port + 1}"}},
+                "no port": {"headers": {"Host": "127.0.0.1"}},
+                "another origin": {"headers": {"Origin": "http://evil.test"}},
+                "no origin of a page": {"headers": {"Origin": "null"}},
+                "another scheme": {"headers": {"Origin": own.replace("http", "https")}}}.items():
+            status, answer, _ = session.ask(method, path, body=body, **changes)
+            check(status == 403, f"{method} {path} with {what}: {status} {answer[:80]}")
+    check(session.ask(headers={"Origin": own})[0] == 200, "its own origin is refused")
+    check(session.ask(headers={"Host": f"localhost:{session.port}"})[0] == 200, "localhost is refused")
+    check(session.ask(path="/nothing")[0] == 404, "an unknown path")
+    check(session.ask(path="/switch")[0] == 404, "a GET switches")
+    for method in ("PUT", "DELETE", "OPTIONS"):
+        check(session.ask(method, "/switch")[0] in (400, 404), f"{method} is answered")
+    check(session.ask("POST", "/switch", body="x" * 100000)[0] == 413, "a large body")
+    check(session.ask("POST", "/switch", body="one_euro")[0] == 400, "a controller of no session")
+    check(session.ask("POST", "/switch", body="")[0] == 400, "no controller")
+    time.sleep(0.3)
+    check(next(session.events())["driving"] == 0, "a refused request switched the controller")
+    _, _, facts = session.end()
+    check("switches" not in facts, str(facts.get("switches")))
+
+
+def test_switch_changes_the_controller_without_a_jump(place):
+    motors = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    motors.bind(("127.0.0.1", 0))
+    motors.settimeout(2)
+    session = Session(place / "live", "--motors", f"udp:127.0.0.1:{motors.getsockname()[1]}")
+    events = session.events()
+    next(event for event in events if event["time_s"] > 1.0)
+    check(session.ask("POST", "/switch", body="tuned_kalman")[0] == 202, "the switch is refused")
+    status, _, response = session.ask("POST", "/switch", body="raw")
+    check(status == 429 and response.getheader("Retry-After"), f"no limit of the rate: {status}")
+    next(event for event in events if event["driving"] == 1)
+    filtered = [event for _, event in zip(range(60), events)]
+    check(all(event["driving"] == 1 for event in filtered), "it switched back by itself")
+    check(session.ask("POST", "/switch", body="raw")[0] == 202, "the way back is refused")
+    next(event for event in events if event["driving"] == 0)
+    raw = [event for _, event in zip(range(60), events)]
+
+    def roughness(moments):  # of the command: second differences
+        total = 0.0
+        for a, b, c in zip(moments, moments[1:], moments[2:]):
+            total += sum((x - 2 * y + z) ** 2 for x, y, z in
+                         zip(a["command_deg"], b["command_deg"], c["command_deg"]))
+        return total
+
+    check(roughness(filtered) < 0.3 * roughness(raw), "the command is not that of the filter")
+    out, err, facts = session.end()
+    check([switch["controller"] for switch in facts["switches"]["first"]] == ["tuned_kalman", "raw"],
+          str(facts["switches"]))
+    check(facts["switches"]["count"] == 2 and "Switches of the controller: 2" in out, out)
+    first_s = facts["switches"]["first"][0]["time_s"]
+    check(f"until the first switch after {first_s:.2f} s" in err, err)
+    frames = []
+    motors.settimeout(0.2)
+    try:
+        while True:
+            for line in motors.recv(65536).decode().splitlines():
+                if not line.startswith("frame"):
+                    cells = line.split(",")
+                    frames.append((int(cells[0]), [float(cell) for cell in cells[2:]]))
+    except socket.timeout:
+        pass
+    check(len(frames) > 100, f"only {len(frames)} commands")
+    for (number, before), (following, after) in zip(frames, frames[1:]):
+        for a, b in zip(before, after):
+            check(abs(b - a) <= LARGEST_STEP * (following - number), f"a jump from {a} to {b}")
+    trace = (place / "live" / "scores.csv").read_text()
+    check("raw" in trace and "tuned_kalman" not in trace, "scores of another controller")
+
+
+def test_browsers_that_do_not_read_cost_a_session_nothing(place):
+    def deaf(session, request):
+        connection = socket.create_connection(("127.0.0.1", session.port))
+        connection.sendall(request.encode())
+        return connection
+
+    session = Session(place / "live")
+    events = session.events()
+    before = next(events)
+    stream = (f"GET /events?token={session.token} HTTP/1.1\r\n"
+              f"Host: 127.0.0.1:{session.port}\r\n\r\n")
+    connections = [deaf(session, "") for _ in range(20)] + [deaf(session, stream) for _ in range(20)]
+    connections += [deaf(session, stream[:40]) for _ in range(20)]
+    moments = []
+    for event in events:
+        moments.append(event)
+        if event["time_s"] > before["time_s"] + 4.0:
+            break
+    check(len(moments) > 150, f"the page got {len(moments)} moments in 4 s")
+    expected = 50.0 * (moments[-1]["time_s"] - moments[0]["time_s"])
+    commands = moments[-1]["commands"] - moments[0]["commands"]
+    check(abs(commands - expected) <= 2 + 0.02 * expected, f"{commands} commands, {expected} expected")
+    begin = time.monotonic()
+    _, _, facts = session.end()
+    check(time.monotonic() - begin < 15, "the end waits for browsers")
+    check(facts["duration_s"] > 4.0, str(facts["duration_s"]))
+    for connection in connections:
+        connection.close()
+
+
+def test_port_of_another_is_one_line(place):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        for arguments, words in ((["--page", port], f"--page {port}: cannot be had"),
+                                 (["--page", "70000"], "65535"), (["--listen", "127.0.0.1"], "--page"),
+                                 (["--page", "0", "--listen", "localhost"], "IPv4"),
+                                 (["--page", "0", "--listen", "192.0.2.1"], "not of this computer")):
+            run = subprocess.run([PROGRAM, "live", "random_motion", "--controller", "raw", "--seconds",
+                                  "1", "--out", place / "none", *arguments], capture_output=True,
+                                 text=True, timeout=30)
+            check(run.returncode == 2 and words in run.stderr and run.stderr.count("\n") == 1,
+                  f"{arguments}: {run.returncode} {run.stderr}")
+    check(not (place / "none").exists(), "a folder was left")
+
+
+def test_page_in_a_browser(place):
+    if not chromium.has_browser():
+        print("skipped: no chromium")
+        return
+    session = Session(place / "live", "--seconds", "60")
+    page = chromium.Page(session.address, 390, 900, dark=True)
+    try:
+        page.wait_for("window.livePage?.moments.length > 20 && document.querySelector('#live-stages td')")
+        shown = page.value("""({state: document.getElementById("live-state").textContent,
+          lines: document.querySelectorAll("#live-plot path").length,
+          buttons: [...document.querySelectorAll("#live-choice button")].map((b) => b.textContent),
+          wide: document.documentElement.scrollWidth > innerWidth})""")
+        check(shown["lines"] == 3 and shown["buttons"] == ["raw", "tuned_kalman"], str(shown))
+        check(not shown["wide"], "the page is wider than a phone")
+        angle = page.value("livePage.hand.angleOf(0) - livePage.last.hand_deg[0]")
+        check(abs(angle) < 0.01, f"the hand is off by {angle} deg")
+        page.value("document.querySelectorAll('#live-choice button')[0].focus()")
+        page.press("Tab")
+        page.press("Enter")
+        page.wait_for("document.querySelectorAll('#live-choice button')[1].ariaPressed === 'true'")
+        page.wait_for("document.getElementById('live-state').textContent.startsWith('tuned_kalman drives')")
+        session.process.send_signal(signal.SIGINT)
+        page.wait_for("document.getElementById('live-state').textContent === 'The session has ended.'")
+        problems = [text for text in page.problems if '"level": "warning"' not in text]
+        check(not problems, "\n".join(problems))
+    finally:
+        page.close()
+    session.process.communicate(timeout=30)
+
+
+def main():
+    for name, test in list(globals().items()):
+        if name.startswith("test_"):
+            begin = time.monotonic()
+            with tempfile.TemporaryDirectory() as folder:
+                test(pathlib.Path(folder))
+            print(f"{name}: {time.monotonic() - begin:.1f} s")
+
+
+main()
