@@ -173,13 +173,13 @@ std::vector<std::string> ControllerNames(const LiveSetup& setup) {
 
 /// The page of a session; nothing without --page.
 std::unique_ptr<LiveServer> ServePage(const LiveCommand& command, const Study& study,
-                                      const LiveSetup& setup) {
+                                      const LiveSetup& setup, const std::string& recording) {
   if (command.page == kNoPage) return nullptr;
   LiveServerConfig config{.address = command.listen,
                           .port = command.page,
                           .nonce = RandomToken(),
                           .controllers = ControllerNames(setup)};
-  config.page = LivePage(study, setup, config.nonce);
+  config.page = LivePage(study, setup, recording, config.nonce);
   auto server = std::make_unique<LiveServer>(std::move(config), *setup.view);
   Say("gauntlet: page at {}\n", server->Address());
   if (!command.listen.starts_with("127.")) {
@@ -282,8 +282,8 @@ void RunLiveCommand(const LiveCommand& command) {
   OutputFolder folder(out);
   OutputFiles files({.folder = folder.path(),
                      .command = "live",
-                     .results = {"live.json", "report.html", "scores.json", "scores.csv",
-                                 "trace.h5", "scenario.resolved.yaml"}});
+                     .results = {"live.json", "counts.csv", "report.html", "scores.json",
+                                 "scores.csv", "trace.h5", "scenario.resolved.yaml"}});
   const std::filesystem::path recording = command.record.empty()
                                               ? folder.path() / "recording.csv"
                                               : std::filesystem::path(command.record);
@@ -295,11 +295,13 @@ void RunLiveCommand(const LiveCommand& command) {
   LiveResult result;
   {
     const EndsAtSecondSignal gently;
-    const auto server = ServePage(command, study, setup);
+    const auto server = ServePage(command, study, setup, recording_file ? recording.string() : "");
     result = RunLive(setup);
   }
   if (!result.columns_remark.empty()) Say("gauntlet: {}\n", result.columns_remark);
-  const LiveContext context = ContextOf(command, study, setup);
+  LiveContext context = ContextOf(command, study, setup);
+  context.counts_file = (folder.path() / "counts.csv").string();
+  const bool has_counts = !result.facts.still.empty();
   const LiveRecord record{.setup = &setup, .study = &study, .source = &source};
   if (recording_file) WriteRecording(record, result, *recording_file);
   LiveOutcome outcome = ScoreSession(record, recording, folder.path(), result);
@@ -307,6 +309,7 @@ void RunLiveCommand(const LiveCommand& command) {
   const std::string json = LiveJson(result.facts, context, outcome.shadows).dump(1) + "\n";
   files.Write([&](const std::filesystem::path& place) {
     WriteOutputFile(place / "live.json", json);
+    if (has_counts) WriteOutputFile(place / "counts.csv", CountsText(record, result));
     if (outcome.finished) WriteSession(place, *outcome.finished);
   });
   files.Commit();
@@ -325,7 +328,7 @@ void RunLiveCommand(const LiveCommand& command) {
     PrintText(report);
     FlushOutput();
   }
-  Say("wrote {}: live.json{}{}\n", folder.path().string(),
+  Say("wrote {}: live.json{}{}{}\n", folder.path().string(), has_counts ? ", counts.csv" : "",
       outcome.finished ? ", report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml"
                        : "",
       recording_file ? "; " + recording.string() : "");

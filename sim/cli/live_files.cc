@@ -42,6 +42,30 @@ RecordedRows RowsOf(const LiveRecord& record, const LiveResult& result) {
   return rows;
 }
 
+/// CSV of a session's samples: the time, then of_counts(channel, counts) for each channel; an empty
+/// cell for what did not come.
+template <class OfCounts>
+std::string TableOf(const LiveRecord& record, const LiveResult& result, std::string_view unit,
+                    const OfCounts& of_counts) {
+  const std::vector<std::string>& names = record.study->calibration.channel_names;
+  const RecordedRows rows = RowsOf(record, result);
+  std::string text = "time_s";
+  for (const std::string& name : names) text.append(",").append(name).append(unit);
+  text += "\n";
+  for (std::size_t row = 0; row < rows.time_s.size(); ++row) {
+    fmt::format_to(std::back_inserter(text), "{:.6f}", rows.time_s[row]);
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      const double counts = rows.counts[row * names.size() + c];
+      text.push_back(',');
+      if (!std::isnan(counts)) {
+        fmt::format_to(std::back_inserter(text), "{:.6g}", of_counts(c, counts));
+      }
+    }
+    text.push_back('\n');
+  }
+  return text;
+}
+
 /// Keeps the first ticks.
 void CutGlove(Index ticks, GloveSignal& glove) {
   glove.true_angle_rad.KeepRows(ticks);
@@ -138,27 +162,18 @@ double TraceLength_s(double seconds, double motion_s) {
 
 void WriteRecording(const LiveRecord& record, const LiveResult& result, OutputFile& file) {
   const controller::GloveCalibration& glove = record.study->calibration;
-  const RecordedRows rows = RowsOf(record, result);
-  std::string text = "time_s";
-  for (const std::string& name : glove.channel_names) text += "," + name + "_deg";
-  text += "\n";
-  const std::size_t width = glove.channel_names.size();
-  for (std::size_t row = 0; row < rows.time_s.size(); ++row) {
-    fmt::format_to(std::back_inserter(text), "{:.6f}", rows.time_s[row]);
-    for (std::size_t c = 0; c < width; ++c) {
-      const double counts = rows.counts[row * width + c];
-      text.push_back(',');
-      if (std::isnan(counts)) continue;
-      const double angle_rad =
-          glove.low_angle_rad[c] + (counts - glove.low_counts[c]) *
-                                       (glove.high_angle_rad[c] - glove.low_angle_rad[c]) /
-                                       (glove.high_counts[c] - glove.low_counts[c]);
-      fmt::format_to(std::back_inserter(text), "{:.6g}", angle_rad * kDegPerRad);
-    }
-    text.push_back('\n');
-  }
-  file.Write(text);
+  file.Write(TableOf(record, result, "_deg", [&](std::size_t c, double counts) {
+    const double angle_rad =
+        glove.low_angle_rad[c] + (counts - glove.low_counts[c]) *
+                                     (glove.high_angle_rad[c] - glove.low_angle_rad[c]) /
+                                     (glove.high_counts[c] - glove.low_counts[c]);
+    return angle_rad * kDegPerRad;
+  }));
   file.Commit();
+}
+
+std::string CountsText(const LiveRecord& record, const LiveResult& result) {
+  return TableOf(record, result, "_counts", [](std::size_t, double counts) { return counts; });
 }
 
 LiveOutcome ScoreSession(const LiveRecord& record, const std::filesystem::path& recording,

@@ -36,6 +36,10 @@ double TraceLength_s(double seconds, double motion_s);
 /// UserError as of OutputFile.
 void WriteRecording(const LiveRecord& record, const LiveResult& result, OutputFile& file);
 
+/// The same samples as they came, in counts: `time_s`, then `NAME_counts` per channel, from which
+/// `gauntlet calibrate` takes the noise.
+std::string CountsText(const LiveRecord& record, const LiveResult& result);
+
 /// Scores of the session's trace, as of a run: against the wearer's true angles where the glove was
 /// simulated, else against the smoothed recording, whose scenario it then is. Moves the trace out
 /// of `result`. Errors: UserError for a recording that cannot be read back.

@@ -183,6 +183,20 @@ std::string SwitchText(const LiveFacts& facts, const LiveContext& context) {
   return fmt::format("Switches of the controller: {} ({}).", facts.switch_count, text);
 }
 
+std::string StillText(const LiveFacts& facts, const LiveContext& context) {
+  std::string text;
+  std::string options;
+  for (const StillTime& still : facts.still) {
+    // Inwards: calibrate refuses what is outside of the recording.
+    const double begin_s = std::ceil(100.0 * still.begin_s) / 100.0;
+    const double end_s = std::floor(100.0 * still.end_s) / 100.0;
+    text += fmt::format("{}{:.2f} to {:.2f} s", text.empty() ? "" : ", ", begin_s, end_s);
+    options += fmt::format(" --still {:.2f}:{:.2f}", begin_s, end_s);
+  }
+  return fmt::format("Marked still: {}. The noise R of the glove: gauntlet calibrate {}{}", text,
+                     context.counts_file, options);
+}
+
 std::string LoopText(const LiveFacts& facts) {
   return fmt::format(
       "Loop: {} ticks. The machine: wake-ups late by {} ms (p50), {} (p99), {} (max); {} ticks "
@@ -342,6 +356,7 @@ ResultText LiveText(const LiveFacts& facts, const LiveContext& context) {
   }
   std::string rest = context.has_real_glove ? FramesText(facts, context) + "\n" : "";
   if (facts.switch_count > 0) rest += SwitchText(facts, context) + "\n";
+  if (!facts.still.empty()) rest += StillText(facts, context) + "\n";
   rest += TrendText(facts) + "\n" + QueueText(facts, context) + "\n" + WatchdogText(facts) + "\n" +
           LoopText(facts);
   text.emplace_back(std::move(rest));
@@ -427,6 +442,9 @@ nlohmann::ordered_json LiveJson(const LiveFacts& facts, const LiveContext& conte
                       {"controller", context.controllers[static_cast<std::size_t>(switched.to)]}});
     }
     json["switches"]["count"] = facts.switch_count;
+  }
+  for (const StillTime& still : facts.still) {
+    json["still"].push_back({{"begin_s", still.begin_s}, {"end_s", still.end_s}});
   }
   json["untrusted_samples"] = facts.untrusted_samples;
   json["assumed"] = {{"event_delay_ms", context.event_delay_ms},

@@ -20,8 +20,9 @@ struct LiveContext {
   bool has_real_glove = false;
   bool has_motors = false;
   controller::Timing timing;
-  double event_delay_ms = 0.0;  // of the scenario, for the simulated hand
-  std::string receiver;         // kind of the receiver of `link.glove`; empty: none
+  double event_delay_ms = 0.0;   // of the scenario, for the simulated hand
+  std::string counts_file = {};  // of a session with marks
+  std::string receiver;          // kind of the receiver of `link.glove`; empty: none
 };
 
 /// Score of a controller that only listened, or of the one that drove, on what it asked of the

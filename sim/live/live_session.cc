@@ -94,6 +94,11 @@ class Session {
   void Skip(std::int64_t ticks) noexcept;
   void WatchTiers() noexcept;
   void SwitchIfAsked() noexcept;
+  void MarkIfAsked() noexcept;
+  void KeepStill();
+  double Time_s() const noexcept {
+    return static_cast<double>(loop_.tick()) / timing_.tick_rate_hz;
+  }
   void ShowMoment(std::int64_t lateness_ns) noexcept;
   bool IsTraced() const noexcept { return !is_ending_ && result_.facts.switch_count == 0; }
   void Tick(const PeriodicWake::Woken& woken) noexcept;
@@ -164,6 +169,7 @@ class Session {
   std::int64_t step_begin_ns_ = 0;
   std::int64_t tier_ticks_ = 0;
   std::vector<double> hand_rad_;
+  bool is_still_ = false;
   std::int64_t ticks_to_show_ = 0;
   std::int64_t largest_lateness_ns_ = 0;  // since the moment that was shown last
 };
@@ -197,6 +203,7 @@ Session::Session(const LiveSetup& setup)
   }
   result_.shadows.resize(shadows_.size());
   result_.facts.switches.reserve(kMostSwitches);
+  result_.facts.still.reserve(kMostSwitches);
 }
 
 /// A sender of packets repeats the names of its columns once a second: until then a listener that
@@ -494,8 +501,19 @@ void Session::SwitchIfAsked() noexcept {
   LiveFacts& facts = result_.facts;
   ++facts.switch_count;
   if (facts.switches.size() == kMostSwitches) return;  // what is reserved
-  facts.switches.push_back({.time_s = static_cast<double>(loop_.tick()) / timing_.tick_rate_hz,
-                            .to = switch_.driving()});
+  facts.switches.push_back({.time_s = Time_s(), .to = switch_.driving()});
+}
+
+void Session::MarkIfAsked() noexcept {
+  if (setup_.view == nullptr) return;
+  std::vector<StillTime>& still = result_.facts.still;
+  const int mark = setup_.view->TakeMark();
+  if (mark == 0 || is_ending_) is_still_ = false;
+  if (mark == 1 && !is_still_ && !is_ending_ && still.size() < kMostSwitches) {  // what is reserved
+    still.push_back({.begin_s = Time_s(), .end_s = Time_s()});
+    is_still_ = true;
+  }
+  if (is_still_) still.back().end_s = Time_s();
 }
 
 void Session::ShowMoment(std::int64_t lateness_ns) noexcept {
@@ -508,7 +526,7 @@ void Session::ShowMoment(std::int64_t lateness_ns) noexcept {
   const controller::Controller& controller = loop_.controller();
   loop_.hand().ReadJointAngles(hand_rad_);
   setup_.view->Show(
-      {.time_s = static_cast<double>(loop_.tick()) / timing_.tick_rate_hz,
+      {.time_s = Time_s(),
        .largest_lateness_s = 1e-9 * static_cast<double>(largest_lateness_ns_),
        .skipped_ticks = facts.skipped_ticks,
        .waiting_frames = static_cast<std::int64_t>(input_.waiting()),
@@ -517,6 +535,7 @@ void Session::ShowMoment(std::int64_t lateness_ns) noexcept {
        .commands = facts.commands,
        .repeated_samples = facts.repeated_samples,
        .driving = switch_.driving(),
+       .is_still = is_still_,
        .tier = loop_.watchdog_tier(),
        .has_sink = !sink_is_gone_.load(std::memory_order_relaxed)},
       controller.linearised_angle_rad(), controller.target_angle_rad(), hand_rad_);
@@ -529,6 +548,7 @@ void Session::Tick(const PeriodicWake::Woken& woken) noexcept {
   const std::int64_t cpu_begin_ns = NowOf_ns(CLOCK_THREAD_CPUTIME_ID);
   if (woken.skipped > 0) Skip(woken.skipped);
   SwitchIfAsked();
+  MarkIfAsked();
   facts.lateness.Add(woken.lateness_ns);
   std::span<const std::int32_t> frame;
   if (!StepGlove(frame)) {
@@ -677,6 +697,16 @@ void Session::RunLoop() {
 }
 
 /// After the threads have ended.
+/// Stretches within the recording, of half a second or more: shorter ones say little of noise.
+void Session::KeepStill() {
+  std::vector<StillTime>& still = result_.facts.still;
+  const double last_s = result_.recorded_time_s.empty() ? Time_s() : result_.recorded_time_s.back();
+  for (StillTime& stretch : still) stretch.end_s = std::min(stretch.end_s, last_s);
+  constexpr double kLeast_s = 0.5;
+  std::erase_if(
+      still, [](const StillTime& stretch) { return stretch.end_s - stretch.begin_s < kLeast_s; });
+}
+
 void Session::Gather() {
   LiveFacts& facts = result_.facts;
   recorder_->Finish();
@@ -695,6 +725,7 @@ void Session::Gather() {
     facts.source = setup_.source->counts();
     result_.columns_remark = channels_.remark();
   }
+  KeepStill();
   if (setup_.sink != nullptr) facts.sink = setup_.sink->counts();
   if (shadows_.empty()) return;
   const std::size_t joints = targets_.width() / shadows_.size();

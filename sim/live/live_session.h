@@ -66,7 +66,7 @@ struct LiveSetup {
   LiveView* view = nullptr;                          // for one who watches
 };
 
-inline constexpr std::size_t kMostSwitches = 256;
+inline constexpr std::size_t kMostSwitches = 256;  // and stretches, that are kept
 
 /// Reason for which a session ended.
 enum class LiveEnd : std::uint8_t { kSeconds, kGloveEnded, kStopped, kSinkGone, kHandStopped };
@@ -81,6 +81,13 @@ struct TierFacts {
 struct Switched {
   double time_s = 0.0;  // since the first sample
   int to = 0;           // as in LiveView::Ask()
+};
+
+/// A stretch of half a second or more in which the hand was marked still [s], since the first
+/// sample.
+struct StillTime {
+  double begin_s = 0.0;
+  double end_s = 0.0;
 };
 
 /// What was measured. Times are of CLOCK_MONOTONIC, in the computer.
@@ -116,6 +123,7 @@ struct LiveFacts {
   std::array<TierFacts, 4> tiers = {};  // of Watchdog::Tier
   std::int64_t switch_count = 0;
   std::vector<Switched> switches;  // the first of them, at most kMostSwitches
+  std::vector<StillTime> still;    // the first of them, at most kMostSwitches
   std::int64_t rests = 0;          // times that the motors were brought to rest: sink gone, or end
   std::vector<std::int64_t> untrusted_samples;  // per channel
 };

@@ -23,12 +23,13 @@ struct LiveMoment {
   std::int64_t commands = 0;          // frames sent
   std::int64_t repeated_samples = 0;  // commands with the sample of the one before
   int driving = 0;                    // number of the controller, as in LiveView::Ask()
+  bool is_still = false;              // as marked
   Watchdog::Tier tier = Watchdog::Tier::kFollow;
   bool has_sink = true;  // false: the motors do not listen
 };
 
-/// A running session for one other thread, which watches it and may ask for another controller. The
-/// threads of the session neither wait, lock nor allocate for it: without a watcher, and with one
+/// A running session for one other thread, which watches it, may ask for another controller and may
+/// mark when the hand is still. The threads of the session neither wait, lock nor allocate for it: without a watcher, and with one
 /// that is too slow, rows are left out.
 class LiveView {
  public:
@@ -59,10 +60,14 @@ class LiveView {
   void ShowStages(std::span<const double> stages_us) noexcept { stages_.Push(0, stages_us); }
   /// Number of the controller that is asked for since the last call, or -1.
   int TakeAsked() noexcept { return asked_.exchange(-1, std::memory_order_acq_rel); }
+  /// 1: the hand is marked still since the last call, 0: it moves again, -1: nothing new.
+  int TakeMark() noexcept { return mark_.exchange(-1, std::memory_order_acq_rel); }
 
   /// Of the watcher: asks for a controller, 0 for the first that drove, then the shadows in order.
   /// The last wish counts.
   void Ask(int controller) noexcept { asked_.store(controller, std::memory_order_release); }
+  /// Of the watcher: the hand is still from now on, or moves. The last mark counts.
+  void Mark(bool is_still) noexcept { mark_.store(is_still ? 1 : 0, std::memory_order_release); }
   /// Calls use(moment, values) for the oldest moment, if there is one. The values are those of
   /// Show(), one behind the other.
   template <class Use>
@@ -82,6 +87,7 @@ class LiveView {
   RowRing<LiveMoment> moments_;
   RowRing<int> stages_{256, kStageRows};
   std::atomic<int> asked_ = -1;
+  std::atomic<int> mark_ = -1;
 };
 
 }  // namespace gauntlet::sim

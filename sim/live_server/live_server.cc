@@ -241,6 +241,9 @@ class LiveServer::Server {
     http_.Post("/switch", [this](const httplib::Request& request, httplib::Response& response) {
       Switch(request, response);
     });
+    http_.Post("/mark", [this](const httplib::Request& request, httplib::Response& response) {
+      Mark(request, response);
+    });
   }
 
   static void Answer(int status, const std::string& text, httplib::Response& response) {
@@ -299,6 +302,13 @@ class LiveServer::Server {
     Answer(202, "asked for " + request.body, response);
   }
 
+  void Mark(const httplib::Request& request, httplib::Response& response) {
+    const bool is_still = request.body == "still";
+    if (!is_still && request.body != "moving") return Answer(400, "still or moving", response);
+    view_.Mark(is_still);
+    Answer(202, "marked " + request.body, response);
+  }
+
   /// Takes what the session shows, so that its rings do not fill.
   void Watch() {
     std::string stages;
@@ -321,11 +331,12 @@ class LiveServer::Server {
                       const std::string& stages) const {
     std::string json = fmt::format(
         "data: {{\"time_s\":{:.3f},\"late_ms\":{:.3f},\"skipped\":{},\"waiting\":{},\"queued\":{},"
-        "\"commands\":{},\"repeated\":{},\"driving\":{},\"tier\":{},\"has_sink\":{},"
+        "\"commands\":{},\"repeated\":{},\"driving\":{},\"is_still\":{},\"tier\":{},\"has_sink\":{}"
+        ","
         "\"stages_ms\":[{}],\"glove_deg\":",
         moment.time_s, 1e3 * moment.largest_lateness_s, moment.skipped_ticks, moment.waiting_frames,
         moment.queued_frames, moment.commands, moment.repeated_samples, moment.driving,
-        static_cast<int>(moment.tier), moment.has_sink, stages);
+        moment.is_still, static_cast<int>(moment.tier), moment.has_sink, stages);
     constexpr int kDigits = 2;
     AddList(values.first(view_.channels()), kDegPerRad, kDigits, json);
     json += ",\"command_deg\":";

@@ -32,13 +32,17 @@ std::string DataOf(const Study& study, const LiveSetup& setup) {
 
 }  // namespace
 
-std::string LivePage(const Study& study, const LiveSetup& setup, const std::string& nonce) {
+std::string LivePage(const Study& study, const LiveSetup& setup, const std::string& recording,
+                     const std::string& nonce) {
   return FillTemplate(
       assets::kLiveHtml,
       {{"kind", "Gauntlet live"},
        {"title", EscapeHtml(study.scenario.name)},
        {"glove", EscapeHtml(setup.source == nullptr ? "simulated" : setup.source->Description())},
        {"motors", EscapeHtml(setup.sink == nullptr ? "simulated" : setup.sink->Description())},
+       {"recording", recording.empty()
+                         ? "The glove is not recorded: --record FILE.csv does."
+                         : fmt::format("All samples go to {} at the end.", EscapeHtml(recording))},
        {"sources", fmt::format("script-src 'nonce-{}'; connect-src 'self'; ", nonce)},
        {"nonce", nonce},
        {"style", PaletteCss() + std::string(assets::kStyle) + std::string(assets::kLiveStyle)},

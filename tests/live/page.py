@@ -16,6 +16,8 @@ import chromium
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 COUNTS_PER_RAD = 4096 / 6.283185307179586
+PAPER_R_COUNTS2 = [21.18, 12.52, 10.62, 9.86, 26.94, 10.08, 9.71, 17.58, 6.05, 9.91, 47.19, 11.04, 7.56, 23.94, 26.82,
+                   28.82, 27.69, 31.49]
 LARGEST_STEP = 20.0 * 0.02 * COUNTS_PER_RAD + 1.0  # motor.speed_limit_rad_s in a command frame
 
 
@@ -89,8 +91,8 @@ def test_only_the_address_that_was_printed_shows_the_page(place):
     check(response.getheader("Access-Control-Allow-Origin") is None, "other pages may read it")
     own = f"http://127.0.0.1:{session.port}"
     wrong = "0" * 32 if session.token != "0" * 32 else "1" * 32
-    for method, path in (("GET", "/"), ("GET", "/events"), ("POST", "/switch"), ("GET", "/nothing")):
-        body = "tuned_kalman" if method == "POST" else None
+    for method, path in (("GET", "/"), ("GET", "/events"), ("POST", "/switch"), ("POST", "/mark"), ("GET", "/nothing")):
+        body = {"/switch": "tuned_kalman", "/mark": "still"}.get(path)
         for what, changes in {
                 "no token": {"token": ""}, "a wrong token": {"token": wrong},
                 "a part of the token": {"token": session.token[:31]},
@@ -111,10 +113,16 @@ def test_only_the_address_that_was_printed_shows_the_page(place):
     check(session.ask("POST", "/switch", body="x" * 100000)[0] == 413, "a large body")
     check(session.ask("POST", "/switch", body="one_euro")[0] == 400, "a controller of no session")
     check(session.ask("POST", "/switch", body="")[0] == 400, "no controller")
+    check(session.ask("POST", "/mark", body="asleep")[0] == 400, "a mark that there is not")
     time.sleep(0.3)
     check(next(session.events())["driving"] == 0, "a refused request switched the controller")
     _, _, facts = session.end()
+    check("still" not in facts and not (place / "live" / "counts.csv").exists(), "a refused mark counts")
     check("switches" not in facts, str(facts.get("switches")))
+
+
+def largest_difference_deg(moment):
+    return max(abs(a - b) for a, b in zip(moment["glove_deg"], moment["command_deg"]))
 
 
 def test_switch_changes_the_controller_without_a_jump(place):
@@ -133,15 +141,10 @@ def test_switch_changes_the_controller_without_a_jump(place):
     check(session.ask("POST", "/switch", body="raw")[0] == 202, "the way back is refused")
     next(event for event in events if event["driving"] == 0)
     raw = [event for _, event in zip(range(60), events)]
-
-    def roughness(moments):  # of the command: second differences
-        total = 0.0
-        for a, b, c in zip(moments, moments[1:], moments[2:]):
-            total += sum((x - 2 * y + z) ** 2 for x, y, z in
-                         zip(a["command_deg"], b["command_deg"], c["command_deg"]))
-        return total
-
-    check(roughness(filtered) < 0.3 * roughness(raw), "the command is not that of the filter")
+    # Without a filter the command is the glove's sample; the joints have the names of the channels.
+    check(max(map(largest_difference_deg, raw)) < 0.02, "the command of raw is not the glove's sample")
+    check(sum(largest_difference_deg(event) > 0.1 for event in filtered) > 50,
+          "the command of the filter is the glove's sample")
     out, err, facts = session.end()
     check([switch["controller"] for switch in facts["switches"]["first"]] == ["tuned_kalman", "raw"],
           str(facts["switches"]))
@@ -166,6 +169,28 @@ def test_switch_changes_the_controller_without_a_jump(place):
     check("raw" in trace and "tuned_kalman" not in trace, "scores of another controller")
 
 
+def test_marks_give_calibrate_the_noise(place):
+    session = Session(place / "live", "--set",
+                      "glove.motion={kind: moves, postures: [rest, open], move_s: 0.2, hold_s: 30}")
+    events = session.events()
+    next(event for event in events if event["time_s"] > 0.5)
+    for body, is_still in (("still", True), ("moving", False), ("still", True)):
+        check(session.ask("POST", "/mark", body=body)[0] == 202, f"{body} is refused")
+        begin_s = next(event["time_s"] for event in events if event["is_still"] == is_still)
+        next(event for event in events if event["time_s"] > begin_s + 1.0)
+    out, _, facts = session.end()
+    still = facts["still"]
+    check(len(still) == 2 and all(stretch["end_s"] - stretch["begin_s"] > 0.9 for stretch in still), str(still))
+    command = re.search(r"gauntlet (calibrate \S+/counts\.csv(?: --still \S+){2})", " ".join(out.split()))
+    check(command, out)
+    run = subprocess.run([PROGRAM, *command[1].split(), "--json", "--out", place / "noise.yaml"],
+                         capture_output=True, text=True, timeout=30)
+    check(run.returncode == 0, run.stderr)
+    ratios = [channel["variance_counts2"] / r for channel, r in
+              zip(json.loads(run.stdout)["channels"], PAPER_R_COUNTS2, strict=True)]
+    check(0.8 < min(ratios) and max(ratios) < 1.25, f"noise of the simulated glove: {ratios} times what it is")
+
+
 def test_browsers_that_do_not_read_cost_a_session_nothing(place):
     def deaf(session, request):
         connection = socket.create_connection(("127.0.0.1", session.port))
@@ -184,10 +209,13 @@ def test_browsers_that_do_not_read_cost_a_session_nothing(place):
         moments.append(event)
         if event["time_s"] > before["time_s"] + 4.0:
             break
-    check(len(moments) > 150, f"the page got {len(moments)} moments in 4 s")
-    expected = 50.0 * (moments[-1]["time_s"] - moments[0]["time_s"])
-    commands = moments[-1]["commands"] - moments[0]["commands"]
-    check(abs(commands - expected) <= 2 + 0.02 * expected, f"{commands} commands, {expected} expected")
+    # A busy machine leaves out moments and ticks, and with a tick its command; browsers do neither.
+    check(len(moments) > 20, f"the page got {len(moments)} moments in 4 s")
+    first, last = moments[0], moments[-1]
+    expected = 50.0 * (last["time_s"] - first["time_s"])
+    missing = expected - (last["commands"] - first["commands"])
+    check(abs(missing) <= 2 + last["skipped"] - first["skipped"], f"{missing} of {expected} commands are missing")
+    check(missing < 0.5 * expected, f"{missing} of {expected} commands are missing")
     begin = time.monotonic()
     _, _, facts = session.end()
     check(time.monotonic() - begin < 15, "the end waits for browsers")

@@ -20,6 +20,7 @@ class LivePage extends HandScene {
     this.placeCamera(this.hand, [data.joints.map(() => 0), data.rest_deg]);
     this.hand.pose(data.rest_deg);
     this.makeChoice();
+    byId("live-still").addEventListener("click", () => this.post("mark", this.last?.is_still ? "moving" : "still"));
     byId("live-joint").append(...data.joints.map((name, j) => element("option", {value: j}, name)));
     byId("live-joint").addEventListener("change", () => this.draw(true));
     this.makeLegend();
@@ -82,7 +83,7 @@ class LivePage extends HandScene {
 
   makeChoice() {
     byId("live-choice").append(...this.data.controllers.map((name) =>
-      element("button", {type: "button", "aria-pressed": "false", onclick: () => this.ask(name)}, ...breakable(name))));
+      element("button", {type: "button", "aria-pressed": "false", onclick: () => this.post("switch", name)}, ...breakable(name))));
     this.setChoice(0);
     if (this.data.controllers.length === 1) byId("live-answer").textContent = "--shadow NAME,.. adds controllers to choose from.";
   }
@@ -93,13 +94,16 @@ class LivePage extends HandScene {
       if (button.getAttribute("aria-pressed") !== pressed) button.setAttribute("aria-pressed", pressed);
       button.disabled = this.ended;
     });
+    byId("live-still").setAttribute("aria-pressed", String(Boolean(this.last?.is_still)));
+    byId("live-still").disabled = this.ended;
   }
 
-  async ask(name) {
+  async post(path, body) {
     const answer = byId("live-answer");
     try {
-      const response = await fetch(`switch?token=${encodeURIComponent(this.token)}`, {method: "POST", body: name});
-      answer.textContent = response.ok ? `Asked for ${name}.` : (await response.text()).trim();
+      const response = await fetch(`${path}?token=${encodeURIComponent(this.token)}`, {method: "POST", body});
+      const text = (await response.text()).trim();
+      answer.textContent = response.ok ? `${capital(text)}.` : text;
     } catch (error) {
       answer.textContent = "The program does not answer.";
     }
