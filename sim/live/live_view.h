@@ -29,8 +29,8 @@ struct LiveMoment {
 };
 
 /// A running session for one other thread, which watches it, may ask for another controller and may
-/// mark when the hand is still. The threads of the session neither wait, lock nor allocate for it: without a watcher, and with one
-/// that is too slow, rows are left out.
+/// mark when the hand is still. The threads of the session neither wait, lock nor allocate for it:
+/// without a watcher, and with one that is too slow, rows are left out.
 class LiveView {
  public:
   static constexpr double kRate_hz = 50.0;

@@ -1,6 +1,6 @@
-// Bytes of devices. The first byte of an input chooses format and flow, the second the length of
-// the pieces; the rest is what arrives, in which a byte of 0x1E ends a packet or opens the device
-// again.
+// Bytes of devices, on their way to the counts of a glove as in a live session. The first byte of
+// an input chooses format and flow, the second the length of the pieces; the rest is what arrives,
+// in which a byte of 0x1E ends a packet or opens the device again.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -11,6 +11,8 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/device/frame_decoder.h"
+#include "sim/live/frame_arrivals.h"
+#include "sim/live/frame_channels.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace gauntlet::sim;  // NOLINT(google-build-using-namespace)
@@ -23,6 +25,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::string_view bytes(reinterpret_cast<const char*>(data) + 2, size - 2);
 
   const auto decoder = MakeFrameDecoder(format, flow, address);
+  FrameArrivals arrivals;
+  FrameChannels channels({.glove = {.channel_names = {"a", "b"},
+                                    .low_counts = {0.0, 100.0},
+                                    .high_counts = {1023.0, 900.0},
+                                    .low_angle_rad = {0.0, -0.5},
+                                    .high_angle_rad = {1.5, 1.0}},
+                          .source = "--glove fuzzed"});
   std::uint64_t frames = 0;
   const auto receive = [&](const DeviceFrame& frame) {
     ++frames;
@@ -35,6 +44,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!names.empty() && names.size() != frame.values.size()) std::abort();
     for (const std::string& name : names) {
       if (!TextProblem(name).empty()) std::abort();
+    }
+    arrivals.Take(frame);
+    try {
+      if (channels.Counts(decoder->columns(), frame.values).size() != 2) std::abort();
+    } catch (const UserError&) {  // columns of no glove
     }
   };
   std::int64_t now_ns = 0;

@@ -3,15 +3,20 @@
 decoder here are their own. Nothing depends on how fast the machine is."""
 import json
 import math
+import os
 import pathlib
+import pty
 import random
+import select
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
 import threading
 import time
+import tty
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 CHANNELS = ["index_mcp", "middle_mcp"]
@@ -239,6 +244,125 @@ def test_columns_that_are_not_the_glove_are_asked_for(place):
     _, err = finish(session, exit_code=2, text="1,2,3\n4,5,6\n7,8,9\n")
     check("3 values" in err and "--map" in err, err)
     check(not place.exists(), "a session that failed left its folder")
+
+
+class SerialDevice(threading.Thread):
+    """A microcontroller on a serial line: sends two channels as labels, 100 times a second, and keeps what it gets. Its
+    name stays when it is plugged in again, as names below /dev/serial/by-id do."""
+
+    def __init__(self, name, sends):
+        super().__init__(daemon=True)
+        self.end, device = pty.openpty()
+        tty.setraw(device)
+        self.device = device
+        self.got = b""
+        self.sends = sends
+        self.ends = False
+        if name.is_symlink():
+            name.unlink()
+        name.symlink_to(os.ttyname(device))
+        self.start()
+
+    def run(self):
+        begin = time.monotonic()
+        number = 0
+        while not self.ends:
+            time.sleep(max(0.0, begin + 0.01 * number - time.monotonic()))
+            if self.sends:
+                phase = math.pi * 0.01 * number
+                os.write(self.end, b"index_mcp_counts:%d middle_mcp_counts:%d\r\n" %
+                         (500 + 200 * math.sin(phase), 500 + 200 * math.cos(phase)))
+            while select.select([self.end], [], [], 0)[0]:
+                self.got += os.read(self.end, 65536)
+            number += 1
+
+    def unplug(self):
+        self.ends = True
+        self.join()
+        os.close(self.device)
+        os.close(self.end)
+        return self.got
+
+
+def commands_of_lines(text):
+    frames = []
+    for line in text.decode().splitlines():
+        cells = line.split(",")
+        if cells[0].isdigit() and cells[-1]:
+            frames.append((int(cells[0]), [float(cell) for cell in cells[2:]]))
+    return frames
+
+
+def test_serial_devices_that_are_unplugged(place):
+    place.parent.mkdir(exist_ok=True)
+    glove_name, motors_name = place.parent / "glove", place.parent / "motors"
+    glove, motors = SerialDevice(glove_name, True), SerialDevice(motors_name, False)
+    session = live(place, "--glove", f"serial:{glove_name}", "--motors", f"serial:{motors_name}", *SMALL_GLOVE)
+
+    def wait_for_commands(device, count):
+        deadline = time.monotonic() + 20
+        while device.got.count(b"\n") < count and time.monotonic() < deadline:
+            time.sleep(0.02)
+
+    wait_for_commands(motors, 60)
+    glove.unplug()
+    time.sleep(0.5)
+    glove = SerialDevice(glove_name, True)
+    begun = motors.got.count(b"\n")
+    wait_for_commands(motors, begun + 60)
+    frames = commands_of_lines(motors.unplug())
+    time.sleep(0.5)
+    motors = SerialDevice(motors_name, False)
+    wait_for_commands(motors, 60)
+    session.send_signal(signal.SIGINT)
+    finish(session)
+    glove.unplug()
+    check_commands(frames + commands_of_lines(motors.unplug()))
+    facts = facts_in(place)
+    check(facts["frames"]["reopened"] == 1, f"the glove was opened again {facts['frames']['reopened']} times")
+    check(facts["watchdog"]["hold"]["entered"] >= 1, "the watchdog slept")
+    check(facts["ended_by"] == "stopped", facts["ended_by"])
+
+
+def osc_message(address, values):
+    def padded(text):
+        return text + b"\0" * (4 - len(text) % 4)
+    return padded(address) + padded(b"," + b"f" * len(values)) + struct.pack(f">{len(values)}f", *values)
+
+
+def test_osc_at_both_ends(place):
+    motors = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    motors.bind(("127.0.0.1", 0))
+    motors.settimeout(0.5)
+    port = free_port()
+    session = live(place, "--glove", f"osc:127.0.0.1:{port}/hand", "--motors",
+                   f"osc:127.0.0.1:{motors.getsockname()[1]}/motors", "--seconds", "1", *SMALL_GLOVE)
+    way = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    number = 0
+    while session.poll() is None and number < 3000:
+        phase = math.pi * 0.01 * number
+        values = [500 + 200 * math.sin(phase), 500 + 200 * math.cos(phase)]
+        way.sendto(osc_message(b"/hand", values), ("127.0.0.1", port))
+        way.sendto(osc_message(b"/other", [1e6]), ("127.0.0.1", port))
+        number += 1
+        time.sleep(0.01)
+    finish(session)
+    commands = []
+    try:
+        while True:
+            packet = motors.recv(65536)
+            at = packet.find(b"/motors")
+            check(at >= 0, f"a message to another address: {packet[:40]}")
+            types = packet[at + 8:packet.index(b"\0", at + 8)].decode()
+            begin = at + 8 + len(types) + 4 - len(types) % 4
+            commands.append((types, packet[begin:]))
+    except socket.timeout:
+        pass
+    check(len(commands) > 20, f"only {len(commands)} commands")
+    check(len({types for types, _ in commands}) == 1 and commands[0][0].startswith(","), str(commands[0]))
+    check(all(len(values) == 4 * (len(types) - 1) for types, values in commands), str(commands[0]))
+    facts = facts_in(place)
+    check(facts["frames"]["frames"] > 50 and facts["untrusted_samples"] == [0, 0], str(facts["frames"])[:300])
 
 
 def main():
