@@ -24,10 +24,14 @@ int ChannelOf(const std::string& given, std::span<const std::string> names) {
   if (named != names.end()) return static_cast<int>(named - names.begin());
   const auto number = ParseWholeNumber(given, 1, std::ssize(names));
   if (number) return static_cast<int>(*number - 1);
-  std::string all;
-  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-  throw SettingError("channels", "has " + given + ", must have channels (" + all +
-                                     ") or numbers from 1 to " + std::to_string(names.size()));
+  constexpr std::size_t kShown = 3;
+  std::string some;
+  for (const std::string& name : names.first(std::min(kShown, names.size()))) {
+    some += (some.empty() ? "" : ", ") + name;
+  }
+  throw SettingError("channels", "has " + given + ", must have numbers from 1 to " +
+                                     std::to_string(names.size()) + " or names of channels (" +
+                                     some + (names.size() > kShown ? ", ..)" : ")"));
 }
 
 std::vector<int> ChannelsOf(const FilterConfig& config, std::span<const std::string> names) {

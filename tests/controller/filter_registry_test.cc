@@ -164,8 +164,9 @@ TEST(FilterRegistry, RefusesChannelsAndListsThatDoNotFit) {
                       .per_channel = std::move(lists)},
                      3);
   };
-  EXPECT_THAT(problem({"0"}, {}),
-              HasSubstr("channels: has 0, must have channels (1, 2, 3) or numbers from 1 to 3"));
+  EXPECT_THAT(
+      problem({"0"}, {}),
+      HasSubstr("channels: has 0, must have numbers from 1 to 3 or names of channels (1, 2, 3)"));
   EXPECT_THAT(problem({"4"}, {}), HasSubstr("channels: has 4"));
   EXPECT_THAT(problem({"2", "2"}, {}), HasSubstr("channels: has 2 twice"));
   EXPECT_THAT(problem({}, {{"window", {3.0, 4.0}}}),

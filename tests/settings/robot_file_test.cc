@@ -144,8 +144,9 @@ TEST_F(RobotFileTest, GivesBackFiltersByChannel) {
   EXPECT_THAT(complaint("[3, 5]", "[3, 5, 7]"), HasSubstr("window: has 3 values, must have 1 for"));
   EXPECT_THAT(complaint("[3, 5]", "[3, 5.5]"), HasSubstr("window: has 5.5, must have whole"));
   EXPECT_THAT(complaint("[3, 5]", "[3, 0]"), HasSubstr("window[1]: is 0, must be from 1"));
-  EXPECT_THAT(complaint("channels: [b]", "channels: [c]"),
-              HasSubstr("channels: has c, must have channels (a, b)"));
+  EXPECT_THAT(
+      complaint("channels: [b]", "channels: [c]"),
+      HasSubstr("channels: has c, must have numbers from 1 to 2 or names of channels (a, b)"));
 }
 
 TEST_F(RobotFileTest, AHandWithAMotorPerJointSaysWhichIsForWhich) {
