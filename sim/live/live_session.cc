@@ -81,7 +81,7 @@ class Session {
   void Log();
 
   bool MayGetNames(std::int64_t arrival_ns);
-  bool WaitForGlove();
+  bool WaitForGlove(const std::string& source);
   void ResetToFirstSample();
   std::int64_t StartTime() const;
   void StartMotorsFromRest();
@@ -240,10 +240,11 @@ void Session::Input() {
   input_ended_.store(true, std::memory_order_release);
 }
 
-/// False if the session is to end before there is a frame.
-bool Session::WaitForGlove() {
+/// False if the session is to end before there is a frame. The source is the input thread's by now:
+/// `source` describes it.
+bool Session::WaitForGlove(const std::string& source) {
   if (setup_.simulated_glove) return true;
-  if (setup_.say) setup_.say("waiting for frames from " + setup_.source->Description());
+  if (setup_.say) setup_.say("waiting for frames from " + source);
   std::int64_t said_ns = MonotonicNow_ns();
   for (;;) {
     const bool has_ended = input_ended_.load(std::memory_order_acquire);
@@ -252,7 +253,7 @@ bool Session::WaitForGlove() {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
     constexpr std::int64_t kPatience_ns = 5 * kNanosecondsPerSecond;
     if (setup_.say && said_ns != 0 && MonotonicNow_ns() - said_ns > kPatience_ns) {
-      setup_.say("no frame yet from " + setup_.source->Description());
+      setup_.say("no frame yet from " + source);
       said_ns = 0;
     }
   }
@@ -744,8 +745,9 @@ void Session::Gather() {
 
 LiveResult Session::Run() {
   Threads input;
+  const std::string source = setup_.source == nullptr ? "" : setup_.source->Description();
   if (setup_.source != nullptr) input.Start([this] { Input(); });
-  const bool has_glove = WaitForGlove();
+  const bool has_glove = WaitForGlove(source);
   try {
     if (has_glove) {
       ResetToFirstSample();
