@@ -490,9 +490,9 @@ LiveTable PlainStream(TextLines::Source source) {
 }
 
 TextLines::Source PlainTable(TextLines::Source source, const ListNames& known) {
-  constexpr std::size_t kHeadBytes = std::size_t{64} << 10;
+  constexpr std::size_t kMostHead = std::size_t{64} << 10;
   constexpr std::size_t kMostTurned = std::size_t{64} << 20;
-  std::string head = BytesOf(source, kHeadBytes);
+  std::string head = BytesOf(source, kMostHead);
   const std::vector<std::string> lines = LinesOfHead(head);
   if (MayBeTurned(lines)) {
     head += BytesOf(source, kMostTurned);
