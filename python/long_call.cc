@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "python/own_filters.h"
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
 
@@ -30,6 +31,7 @@ class Turn {
     if (owner == std::this_thread::get_id()) {
       throw sim::RunError("a progress callback cannot begin another long call");
     }
+    if (IsInOwnFilter()) throw sim::RunError("a filter cannot begin another long call");
     for (;;) {
       bool taken = false;
       {
@@ -92,7 +94,10 @@ class Worker {
       ended_.notify_all();
     });
   }
-  ~Worker() { thread_.join(); }
+  ~Worker() {
+    const py::gil_scoped_release unlocked;  // which the thread's Python state needs to end
+    thread_.join();
+  }
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
@@ -160,6 +165,7 @@ std::vector<std::string> RunLong(const py::object& on_progress,
     } catch (py::error_already_set& error) {
       raised.emplace(error);
       sim::stop_signal = SIGINT;
+      InterruptOwnFilters();
     }
   }
   if (!raised && !worker.error()) look(state.all());

@@ -32,7 +32,7 @@ class LongWork {
 /// signals and calls `on_progress(done, all)`, unless it is None: an exception of either stops the
 /// work and is thrown. Long calls take turns, because stopping is a matter of the whole process.
 /// Returns the remarks of the work. Errors: those of `work`; RunError for a call from
-/// `on_progress`.
+/// `on_progress` or from a filter of the caller.
 std::vector<std::string> RunLong(const pybind11::object& on_progress,
                                  const std::function<void(LongWork&)>& work);
 

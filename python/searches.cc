@@ -9,6 +9,7 @@
 
 #include "python/bindings.h"
 #include "python/long_call.h"
+#include "python/own_filters.h"
 #include "python/results.h"
 #include "python/sources.h"
 #include "sim/base/error.h"
@@ -36,7 +37,7 @@ namespace py = pybind11;
 
 /// {"json", "csv", "page", "controllers": {name: YAML}, "text", "html", "tables", "remarks"}.
 py::dict Tune(const sim::TuneRequest& request, const SettingsSource& scenario,
-              const std::vector<std::string>& overrides, int jobs, bool allow_programs,
+              const std::vector<std::string>& overrides, int jobs, const OwnFilters& own_filters,
               const py::object& on_progress) {
   sim::TunePlan plan;
   std::vector<sim::TunedKind> kinds;
@@ -44,7 +45,7 @@ py::dict Tune(const sim::TuneRequest& request, const SettingsSource& scenario,
   std::string json, csv, page;
   sim::ResultText text, verbose;
   const std::vector<std::string> remarks = RunLong(on_progress, [&](LongWork& work) {
-    const ConsentOfCall consent(allow_programs);
+    const OwnFiltersOfCall scope(own_filters);
     plan = sim::PlanOf(request, ScenarioSourceOf(scenario, overrides));
     sim::CheckProgramsOf(plan.scenario, {plan.controller});
     const auto progress = [&](double done, double all) { return work.Progress(done, all); };
@@ -91,11 +92,12 @@ sim::SweepPlan SweepPlanOf(const SettingsSource& study, const sim::SweepOverride
 /// {"json", "csv", "text", "html", "tables", "remarks"}; `out` gets the files of `gauntlet
 /// sweep`.
 py::dict Sweep(const SettingsSource& study, const sim::SweepOverrides& overrides, int jobs,
-               const std::string& out, bool allow_programs, const py::object& on_progress) {
+               const std::string& out, const OwnFilters& own_filters,
+               const py::object& on_progress) {
   std::string json, csv;
   sim::ResultText text, verbose;
   const std::vector<std::string> remarks = RunLong(on_progress, [&](LongWork& work) {
-    const ConsentOfCall consent(allow_programs);
+    const OwnFiltersOfCall scope(own_filters);
     const sim::SweepPlan plan = SweepPlanOf(study, overrides);
     sim::CheckProgramsOf(plan.scenario, plan.file.controllers);
     sim::SetSignalFolder(out);
@@ -150,7 +152,8 @@ void BindSearches(py::module_& module) {
          const std::vector<std::string>& overrides, const std::string& controller,
          const std::vector<std::string>& free, const std::string& minimise,
          const std::vector<std::string>& subject_to, int seeds, int held_out, int evaluations,
-         bool all, bool filter_only, int jobs, bool allow_programs, const py::object& on_progress) {
+         bool all, bool filter_only, int jobs, bool allow_programs, const py::dict& filters,
+         const py::object& on_progress) {
         return Tune({.controller = controller,
                      .free = free,
                      .minimise = minimise,
@@ -160,26 +163,26 @@ void BindSearches(py::module_& module) {
                      .evaluations = evaluations,
                      .all = all,
                      .filter_only = filter_only},
-                    {file, text}, overrides, jobs, allow_programs, on_progress);
+                    {file, text}, overrides, jobs, {allow_programs, OwnObjectsOf(filters)}, on_progress);
       },
       py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("controller"),
       py::arg("free"), py::arg("minimise"), py::arg("subject_to"), py::arg("seeds"),
       py::arg("held_out"), py::arg("evaluations"), py::arg("all"), py::arg("filter_only"),
-      py::arg("jobs"), py::arg("allow_programs"), py::arg("on_progress"));
+      py::arg("jobs"), py::arg("allow_programs"), py::arg("filters"), py::arg("on_progress"));
   module.def(
       "sweep",
       [](const std::string& file, const std::optional<std::string>& text,
          const std::vector<std::string>& overrides, const std::optional<int>& seeds,
          bool filter_only, bool all_seeds, int jobs, const std::string& out, bool allow_programs,
-         const py::object& on_progress) {
+         const py::dict& filters, const py::object& on_progress) {
         return Sweep(
             {file, text},
             {.seeds = seeds, .filter_only = filter_only, .all_seeds = all_seeds, .set = overrides},
-            jobs, out, allow_programs, on_progress);
+            jobs, out, {allow_programs, OwnObjectsOf(filters)}, on_progress);
       },
       py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("seeds"),
       py::arg("filter_only"), py::arg("all_seeds"), py::arg("jobs"), py::arg("out"),
-      py::arg("allow_programs"), py::arg("on_progress"));
+      py::arg("allow_programs"), py::arg("filters"), py::arg("on_progress"));
 }
 
 }  // namespace gauntlet::python

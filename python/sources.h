@@ -6,6 +6,7 @@
 
 #include "sim/base/data_folder.h"
 #include "sim/external/external_filters.h"
+#include "sim/external/own_objects.h"
 #include "sim/scenario/scenario_reader.h"
 
 namespace gauntlet::python {
@@ -17,13 +18,26 @@ struct SettingsSource {
   std::optional<std::string> text;
 };
 
-/// The caller's consent to programs of a scenario, for one long call. Long calls take turns.
-class ConsentOfCall {
+/// The caller's own filters, for one long call: the consent to programs of the scenario, and
+/// objects.
+struct OwnFilters {
+  bool allow_programs = false;
+  sim::OwnObjects objects = {};
+};
+
+/// They can be used while this object lives. Long calls take turns.
+class OwnFiltersOfCall {
  public:
-  explicit ConsentOfCall(bool allowed) { sim::AllowPrograms(allowed); }
-  ~ConsentOfCall() { sim::AllowPrograms(false); }
-  ConsentOfCall(const ConsentOfCall&) = delete;
-  ConsentOfCall& operator=(const ConsentOfCall&) = delete;
+  explicit OwnFiltersOfCall(const OwnFilters& filters) {
+    sim::AllowPrograms(filters.allow_programs);
+    sim::SetOwnObjects(filters.objects);
+  }
+  ~OwnFiltersOfCall() {
+    sim::SetOwnObjects({});
+    sim::AllowPrograms(false);
+  }
+  OwnFiltersOfCall(const OwnFiltersOfCall&) = delete;
+  OwnFiltersOfCall& operator=(const OwnFiltersOfCall&) = delete;
 };
 
 /// Settings of a scenario. Errors: UserError for a file that is none.

@@ -11,6 +11,7 @@
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/long_call.h"
+#include "python/own_filters.h"
 #include "python/results.h"
 #include "python/sources.h"
 #include "sim/base/error.h"
@@ -42,7 +43,7 @@ struct StudyRequest {
   std::string causes = "first";
   std::string out;  // empty: no files
   sim::TraceFormats formats;
-  bool allow_programs = false;
+  OwnFilters own_filters;
 };
 
 using Finished = std::shared_ptr<sim::FinishedStudy>;
@@ -70,7 +71,7 @@ sim::Scenario ReadScenario(const sim::ScenarioSource& source, const StudyRequest
 
 /// The same steps as of `gauntlet run` and `compare`.
 void RunStudy(const StudyRequest& request, LongWork& work, sim::FinishedStudy& finished) {
-  const ConsentOfCall consent(request.allow_programs);
+  const OwnFiltersOfCall own_filters(request.own_filters);
   const sim::CauseSeeds causes = CausesOf(request.causes);
   const sim::ScenarioSource source = ScenarioSourceOf(request.scenario, request.overrides);
   sim::Scenario scenario = ReadScenario(source, request, work);
@@ -186,7 +187,8 @@ void BindStudies(py::module_& module) {
       [](const std::string& file, const std::optional<std::string>& text,
          const std::vector<std::string>& overrides, const std::vector<std::string>& controllers,
          bool comparison, int seeds, int jobs, const std::string& causes, const std::string& out,
-         bool csv, bool mcap, bool allow_programs, const py::object& on_progress) {
+         bool csv, bool mcap, bool allow_programs, const py::dict& filters,
+         const py::object& on_progress) {
         return Run({.scenario = {file, text},
                     .overrides = overrides,
                     .controllers = controllers,
@@ -196,12 +198,13 @@ void BindStudies(py::module_& module) {
                     .causes = causes,
                     .out = out,
                     .formats = {.csv = csv, .mcap = mcap},
-                    .allow_programs = allow_programs},
+                    .own_filters = {allow_programs, OwnObjectsOf(filters)}},
                    on_progress);
       },
       py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("controllers"),
       py::arg("comparison"), py::arg("seeds"), py::arg("jobs"), py::arg("causes"), py::arg("out"),
-      py::arg("csv"), py::arg("mcap"), py::arg("allow_programs"), py::arg("on_progress"));
+      py::arg("csv"), py::arg("mcap"), py::arg("allow_programs"), py::arg("filters"),
+      py::arg("on_progress"));
 }
 
 }  // namespace gauntlet::python

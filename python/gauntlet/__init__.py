@@ -17,12 +17,13 @@ import numpy as np
 
 from . import _core
 from ._errors import Remark, RunError, SettingError
+from ._filters import Filters as _Filters, PythonFilter
 from ._results import (Column, Figure, IdentifyResult, InspectResult, Result, SignalArrays, StudyResult, SweepResult, Table,
                        TuneResult)
 from ._settings import Settings, overrides as _overrides, source as _source, to_yaml
 
 __version__: str = _core.__version__
-__all__ = ["Column", "Controller", "Figure", "IdentifyResult", "InspectResult", "Remark", "Result", "RunError", "SettingError",
+__all__ = ["Column", "Controller", "Figure", "IdentifyResult", "InspectResult", "PythonFilter", "Remark", "Result", "RunError", "SettingError",
            "Settings", "SignalArrays", "StudyResult", "SweepResult", "Table", "TuneResult", "compare", "filter",
            "filter_kinds", "identify", "inspect", "run", "sweep", "to_yaml", "tune"]
 
@@ -211,10 +212,11 @@ def tune(scenario: Settings, *, controller: str = "", free: Union[Mapping[str, s
         if value < 1:
             raise SettingError(name, "", f"is {value}, must be 1 or more")
     ranges = [f"{key}={value}" for key, value in free.items()] if isinstance(free, Mapping) else _texts(free, "free")
+    filters = _Filters()
     with _Line(progress, "tune") as told:
-        found = _core.tune(*_source(scenario, "scenario"), _overrides(set), controller, ranges, minimise,
+        found = _core.tune(*_source(scenario, "scenario", filters), _overrides(set, filters), controller, ranges, minimise,
                            _texts(subject_to, "subject_to"), seeds, held_out, evaluations, all, filter_only,
-                           _jobs(jobs), allow_programs, told)
+                           _jobs(jobs), allow_programs, filters.core(), told)
     _remark(found["remarks"])
     return TuneResult(found)
 
@@ -272,18 +274,20 @@ def _run(comparison, scenario, set, controllers, seeds, jobs, causes, out, csv, 
     folder = None if out is None else os.fspath(out)
     if folder == "":
         raise SettingError("out", "", "is empty, must be a folder")
+    filters = _Filters()
     with _Line(progress, "compare" if comparison else "run") as told:
-        study, remarks = _core.run_study(*_source(scenario, "scenario"), _overrides(set),
+        study, remarks = _core.run_study(*_source(scenario, "scenario", filters), _overrides(set, filters),
                                          _texts(controllers, "controllers"), comparison, seeds, _jobs(jobs), causes,
-                                         folder or "", csv, mcap, allow_programs, told)
+                                         folder or "", csv, mcap, allow_programs, filters.core(), told)
     _remark(remarks)
     return StudyResult(study, remarks, folder)
 
 
 def _sweep(study, set, seeds, filter_only, all_seeds, jobs, folder, shown, allow_programs, progress) -> SweepResult:
+    filters = _Filters()
     with _Line(progress, "sweep") as told:
-        found = _core.sweep(*_source(study, "study"), _overrides(set), seeds, filter_only, all_seeds, _jobs(jobs), folder,
-                            allow_programs, told)
+        found = _core.sweep(*_source(study, "study", filters), _overrides(set, filters), seeds, filter_only, all_seeds,
+                            _jobs(jobs), folder, allow_programs, filters.core(), told)
     _remark(found["remarks"])
     return SweepResult(found, shown)
 

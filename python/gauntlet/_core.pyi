@@ -5,6 +5,8 @@ from typing import Any, Optional
 import numpy as np
 
 __version__: str
+#: name -> (make(rate_hz, channels, parameters), identity of its code)
+_Filters = dict[str, tuple[Callable[[float, list[str], dict[str, float]], Any], str]]
 _Progress = Optional[Callable[[float, float], object]]
 
 def set_data_folder(folder: str) -> None: ...
@@ -66,12 +68,12 @@ class FinishedStudy:
 
 def run_study(file: str, text: Optional[str], overrides: Sequence[str], controllers: Sequence[str], comparison: bool,
               seeds: int, jobs: int, causes: str, out: str, csv: bool, mcap: bool,
-              allow_programs: bool, on_progress: _Progress) -> tuple[FinishedStudy, list[str]]: ...
+              allow_programs: bool, filters: _Filters, on_progress: _Progress) -> tuple[FinishedStudy, list[str]]: ...
 def tune(file: str, text: Optional[str], overrides: Sequence[str], controller: str, free: Sequence[str], minimise: str,
          subject_to: Sequence[str], seeds: int, held_out: int, evaluations: int, all: bool, filter_only: bool, jobs: int,
-         allow_programs: bool, on_progress: _Progress) -> dict[str, Any]: ...
+         allow_programs: bool, filters: _Filters, on_progress: _Progress) -> dict[str, Any]: ...
 def sweep(file: str, text: Optional[str], overrides: Sequence[str], seeds: Optional[int], filter_only: bool,
-          all_seeds: bool, jobs: int, out: str, allow_programs: bool,
+          all_seeds: bool, jobs: int, out: str, allow_programs: bool, filters: _Filters,
           on_progress: _Progress) -> dict[str, Any]: ...
 def identify(log: str, controller: str, from_wearer: bool, array: str, map: str, unit: str, episode: Optional[int],
              held: bool, on_progress: _Progress) -> dict[str, Any]: ...

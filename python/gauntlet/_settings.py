@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Optional, Tuple, Union
 
 from ._errors import SettingError
+from ._filters import Filters
 
 #: A file (the name of a ready one, too), the text of a YAML file (of two lines or more), or a dict.
 Settings = Union[str, "os.PathLike[str]", Mapping]
@@ -22,10 +23,12 @@ def to_yaml(settings: Mapping[str, Any]) -> str:
     return "".join(line + "\n" for line in lines)
 
 
-def source(settings: Settings, name: str) -> Tuple[str, Optional[str]]:
-    """File, and text: None where the file is to be read. `name` stands for the file in messages."""
+def source(settings: Settings, name: str, filters: Optional[Filters] = None) -> Tuple[str, Optional[str]]:
+    """File, and text: None where the file is to be read. `name` stands for the file in messages.
+
+    `filters` gets the filters that are objects of Python; None: there can be none."""
     if isinstance(settings, Mapping):
-        return name, to_yaml(settings)
+        return name, to_yaml(filters.replace(settings) if filters else settings)
     if isinstance(settings, str) and "\n" in settings:
         return name, settings
     if isinstance(settings, (str, os.PathLike)):
@@ -33,12 +36,12 @@ def source(settings: Settings, name: str) -> Tuple[str, Optional[str]]:
     raise TypeError(f"{name} must be a file, the text of a YAML file or a dict, not {type(settings).__name__}")
 
 
-def overrides(settings: Union[None, Mapping[str, Any], Sequence[str]]) -> list[str]:
-    """As --set takes them: {"glove.motion.duration_s": 2} is ["glove.motion.duration_s=2"]."""
+def overrides(settings: Union[None, Mapping[str, Any], Sequence[str]], filters: Optional[Filters] = None) -> list[str]:
+    """As --set takes them: {"glove.motion.duration_s": 2} is ["glove.motion.duration_s=2"]. `filters` as of source()."""
     if settings is None:
         return []
     if isinstance(settings, Mapping):
-        return [f"{key}={_flow(value, key)}" for key, value in settings.items()]
+        return [f"{key}={_flow(filters.replace(value) if filters else value, key)}" for key, value in settings.items()]
     if isinstance(settings, str):
         return [settings]
     return [str(text) for text in settings]

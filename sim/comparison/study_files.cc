@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "sim/base/csv_line.h"
 #include "sim/base/json_number.h"
@@ -14,7 +15,7 @@
 #include "sim/base/output_file.h"
 #include "sim/comparison/comparison_verdict.h"
 #include "sim/comparison/decisive_second.h"
-#include "sim/external/external_filters.h"
+#include "sim/external/own_objects.h"
 #include "sim/scenario/scenario_files.h"
 #include "sim/statistics/result_cells.h"
 #include "sim/study/counted_parts.h"
@@ -277,11 +278,22 @@ std::string ResolvedScenario(const FinishedStudy& finished) {
                         .files = FilesOf(scenario)};
   std::string notes;
   for (const std::string& note : finished.study.hand->notes()) notes += "# " + note + "\n";
+  bool has_programs = false, has_objects = false;
   for (const NamedController& named : scenario.controllers) {
-    if (!HasPrograms(named.config)) continue;
+    for (const controller::FilterConfig& filter : named.config.filters) {
+      const auto* external = std::get_if<controller::ExternalConfig>(&filter.settings);
+      if (external == nullptr) continue;
+      (NamesObject(*external) ? has_objects : has_programs) = true;
+    }
+  }
+  if (has_programs) {
     notes +=
         "# It repeats only with the programs of its filters: their files are below made_with.\n";
-    break;
+  }
+  if (has_objects) {
+    notes +=
+        "# It repeats only from Python, with the objects that its filters (command: python:..) "
+        "name.\n";
   }
   return notes + ScenarioToYaml(scenario, finished.folder);
 }

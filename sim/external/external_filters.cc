@@ -1,30 +1,30 @@
 #include "sim/external/external_filters.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <mutex>
-#include <nlohmann/json.hpp>
-#include <optional>
+#include <random>
 #include <span>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "controller/filters/filter_registry.h"
-#include "controller/number.h"
-#include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/input_file.h"
 #include "sim/base/text.h"
 #include "sim/external/command_words.h"
+#include "sim/external/own_objects.h"
 #include "sim/external/program.h"
+#include "sim/external/program_stepper.h"
+#include "sim/external/stepper.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -35,11 +35,12 @@ using controller::Filter;
 using controller::FilterConfig;
 
 std::atomic<bool> programs_allowed{false};
+std::atomic<unsigned> consents{0};  // given or withdrawn
 std::atomic<const char*> consent_option{"--allow-programs"};
 
-/// The number of its filters and of each its program.
+/// The number of each filter that is external, and its settings.
 template <class See>
-void ForEachProgram(const ControllerConfig& config, const See& see) {
+void ForEachExternal(const ControllerConfig& config, const See& see) {
   for (std::size_t i = 0; i < config.filters.size(); ++i) {
     const auto* external = std::get_if<ExternalConfig>(&config.filters[i].settings);
     if (external == nullptr) continue;
@@ -47,63 +48,63 @@ void ForEachProgram(const ControllerConfig& config, const See& see) {
   }
 }
 
-std::string HeaderOf(const ExternalConfig& config, std::span<const std::string> channel_names,
-                     double rate_hz) {
-  nlohmann::ordered_json header;
-  header["rate_hz"] = rate_hz;
-  header["channel_count"] = channel_names.size();
-  header["channels"] = std::vector<std::string>(channel_names.begin(), channel_names.end());
-  header["parameters"] = nlohmann::ordered_json::object();
-  for (const auto& [name, value] : config.parameters) header["parameters"][name] = value;
-  return header.dump() + "\n";
+/// Makes the other side of a filter at its first sample.
+using MakeStepper = std::function<std::unique_ptr<Stepper>()>;
+
+/// Errors: SettingError for a program or an object that is not there.
+MakeStepper MakerOf(const ExternalConfig& config, std::span<const std::string> channel_names,
+                    double rate_hz) {
+  FilterFacts facts = {.rate_hz = rate_hz,
+                       .channels = {channel_names.begin(), channel_names.end()},
+                       .parameters = config.parameters};
+  if (NamesObject(config)) {
+    return [object = FindObject(config), facts = std::move(facts)] { return object->make(facts); };
+  }
+  const auto limit = std::chrono::duration_cast<Program::Duration>(
+      std::chrono::duration<double, std::milli>(config.timeout_ms));
+  return [command = FindProgram(config), facts = std::move(facts), limit] {
+    return StartProgram(command, facts, limit);
+  };
 }
 
-/// The filter whose equation is a program.
+/// The filter whose equation is a program or an object.
 class ExternalFilter final : public Filter {
  public:
   ExternalFilter(const ExternalConfig& config, std::span<const std::string> channel_names,
-                 double rate_hz, std::shared_ptr<std::string> problem)
+                 double rate_hz, std::shared_ptr<TrialProblem> problem)
       : Filter(static_cast<int>(channel_names.size())),
-        command_(FindProgram(config)),
+        make_(MakerOf(config, channel_names, rate_hz)),
         text_(OneLine(config.command)),
-        header_(HeaderOf(config, channel_names, rate_hz)),
-        limit_(std::chrono::duration_cast<Program::Duration>(
-            std::chrono::duration<double, std::milli>(config.timeout_ms))),
         problem_(std::move(problem)) {}
 
-  /// A new program at the next sample.
+  /// A new program or object at the next sample.
   void Reset() noexcept override {
-    program_.reset();
+    stepper_.reset();
     samples_ = 0;
   }
 
  private:
   void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
-    const bool has_answer = problem_->empty() && Ask(input, output);
+    const bool has_answer = problem_->text.empty() && Ask(input, output);
     if (!has_answer && input.data() != output.data()) {
       std::copy(input.begin(), input.end(), output.begin());
     }
   }
-  /// A program is not told of a channel that starts anew: it goes on from the last value.
+  /// It is not told of a channel that starts anew: it goes on from the last value.
   void ResetChecked(int /*channel*/) noexcept override {}
   void StartChecked(std::span<const double> /*values*/) noexcept override {}
   bool TakeChecked(Filter& /*from*/) noexcept override { return false; }
 
-  /// False, with `output` as it was, if the program failed.
+  /// False, with `output` as it was, if it failed.
   bool Ask(std::span<const double> input, std::span<double> output) noexcept {
     try {
       ++samples_;
-      constexpr int kPatienceAtStart = 10;  // it may load libraries
-      const bool starts = !program_;
-      const auto limit = starts ? kPatienceAtStart * limit_ : limit_;
-      if (starts) {
-        program_.emplace(command_);
-        program_->Tell(header_, limit);
-      }
-      line_.clear();
-      fmt::format_to(std::back_inserter(line_), "{}\n", fmt::join(input, ","));
-      Take(program_->Ask(line_, limit), output);
+      if (!stepper_) stepper_ = make_();
+      stepper_->Step(input, output);
       return true;
+    } catch (const controller::SettingError& error) {
+      problem_->mistake = std::current_exception();
+      Fail(error.problem().c_str());
     } catch (const std::exception& error) {
       Fail(error.what());
     } catch (...) {
@@ -112,47 +113,19 @@ class ExternalFilter final : public Filter {
     return false;
   }
 
-  /// Errors: RunError.
-  void Take(std::string_view answer, std::span<double> output) {
-    values_.clear();
-    for (std::string_view rest = answer;;) {
-      const std::size_t end = std::min(rest.find(','), rest.size());
-      std::string_view text = rest.substr(0, end);
-      while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-      while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-      const std::optional<double> value = controller::ParseNumber(text);
-      if (!value) {
-        throw RunError(fmt::format("answered \"{}\", must be {} finite numbers with commas",
-                                   Shown(answer), output.size()));
-      }
-      values_.push_back(*value);
-      if (end == rest.size()) break;
-      rest.remove_prefix(end + 1);
-    }
-    if (values_.size() != output.size()) {
-      throw RunError(fmt::format("answered {} value{}, must be {}", values_.size(),
-                                 values_.size() == 1 ? "" : "s", output.size()));
-    }
-    std::copy(values_.begin(), values_.end(), output.begin());
-  }
-
   void Fail(const char* problem) noexcept {
-    program_.reset();
+    stepper_.reset();
     try {
-      *problem_ = fmt::format("{}: at sample {}: {}", text_, samples_, problem);
+      problem_->text = fmt::format("{}: at sample {}: {}", text_, samples_, problem);
     } catch (...) {
-      *problem_ = "failed";  // short: needs no memory
+      problem_->text = "failed";  // short: needs no memory
     }
   }
 
-  ProgramCommand command_;
+  MakeStepper make_;
   std::string text_;  // of the command
-  std::string header_;
-  Program::Duration limit_;
-  std::shared_ptr<std::string> problem_;
-  std::optional<Program> program_;
-  std::string line_;
-  std::vector<double> values_;
+  std::shared_ptr<TrialProblem> problem_;
+  std::unique_ptr<Stepper> stepper_;
   long samples_ = 0;
 };
 
@@ -172,10 +145,20 @@ std::string HashSince(const std::filesystem::path& file) {
   return hash;
 }
 
-class ProgramMaker final : public controller::FilterMaker {
+/// A text that no other run of Gauntlet has, and no other consent in it: what is known by it is not
+/// found again.
+std::string OnlyOnce() {
+  static const std::string kOnce = [] {
+    std::random_device source;
+    return fmt::format("{:x} {:x} {:x} {:x}", source(), source(), source(), source());
+  }();
+  return fmt::format("{} {}", kOnce, consents.load());
+}
+
+class ExternalMaker final : public controller::FilterMaker {
  public:
   /// `problem`: where a filter notes why it failed.
-  explicit ProgramMaker(std::shared_ptr<std::string> problem) : problem_(std::move(problem)) {}
+  explicit ExternalMaker(std::shared_ptr<TrialProblem> problem) : problem_(std::move(problem)) {}
 
   std::unique_ptr<Filter> Make(const ExternalConfig& config, std::span<const std::string> names,
                                double rate_hz) const override {
@@ -183,12 +166,15 @@ class ProgramMaker final : public controller::FilterMaker {
   }
 
  private:
-  std::shared_ptr<std::string> problem_;
+  std::shared_ptr<TrialProblem> problem_;
 };
 
 }  // namespace
 
-void AllowPrograms(bool allowed) { programs_allowed = allowed; }
+void AllowPrograms(bool allowed) {
+  programs_allowed = allowed;
+  ++consents;
+}
 
 void NameConsent(const char* option) { consent_option = option; }
 
@@ -198,19 +184,15 @@ bool HasPrograms(const ControllerConfig& config) {
   });
 }
 
-bool IsDeterministic(const ControllerConfig& config) {
-  bool all = true;
-  ForEachProgram(config, [&all](std::size_t, const ExternalConfig& external) {
-    all = all && external.deterministic;
-  });
-  return all;
-}
-
 void CheckPrograms(const ControllerConfig& config) {
-  ForEachProgram(config, [&config](std::size_t i, const ExternalConfig& external) {
+  ForEachExternal(config, [&config](std::size_t i, const ExternalConfig& external) {
     controller::CheckSettings(external);
     if (const auto& lists = config.filters[i].per_channel; !lists.empty()) {
       throw controller::SettingError(lists[0].key, "is a list, must be one value for a program");
+    }
+    if (NamesObject(external)) {
+      FindObject(external);
+      return;
     }
     if (!programs_allowed) {
       throw controller::SettingError("command",
@@ -233,7 +215,8 @@ ControllerConfig WithoutPrograms(ControllerConfig config) {
 
 std::vector<std::filesystem::path> ProgramFiles(const ControllerConfig& config) {
   std::vector<std::filesystem::path> files;
-  ForEachProgram(config, [&files](std::size_t, const ExternalConfig& external) {
+  ForEachExternal(config, [&files](std::size_t, const ExternalConfig& external) {
+    if (NamesObject(external)) return;
     try {
       std::ranges::copy(FilesOf(FindProgram(external)), std::back_inserter(files));
     } catch (const controller::SettingError&) {  // not on this machine
@@ -245,7 +228,12 @@ std::vector<std::filesystem::path> ProgramFiles(const ControllerConfig& config) 
 std::string HashOfPrograms(const ControllerConfig& config) {
   if (!HasPrograms(config)) return "";
   Hash hash;
-  ForEachProgram(config, [&hash](std::size_t, const ExternalConfig& external) {
+  ForEachExternal(config, [&hash](std::size_t, const ExternalConfig& external) {
+    if (!external.deterministic) hash.Add(OnlyOnce());
+    if (NamesObject(external)) {
+      hash.Add(FindObject(external)->identity);
+      return;
+    }
     for (const std::filesystem::path& file : FilesOf(FindProgram(external))) {
       hash.Add(HashSince(file));
     }
@@ -254,8 +242,8 @@ std::string HashOfPrograms(const ControllerConfig& config) {
 }
 
 TrialPrograms::TrialPrograms(const ControllerConfig& config)
-    : problem_(std::make_shared<std::string>()),
-      maker_(std::make_shared<ProgramMaker>(problem_)),
+    : problem_(std::make_shared<TrialProblem>()),
+      maker_(std::make_shared<ExternalMaker>(problem_)),
       config_(config) {
   CheckPrograms(config);
   for (FilterConfig& filter : config_.filters) {
@@ -263,6 +251,12 @@ TrialPrograms::TrialPrograms(const ControllerConfig& config)
     if (external == nullptr) continue;
     external->make = maker_.get();
   }
+}
+
+void TrialPrograms::ThrowMistake(const std::string& controller) const {
+  if (!problem_->mistake) return;
+  controller::WithinSetting(fmt::format("controllers.{}.filter", controller),
+                            [this] { std::rethrow_exception(problem_->mistake); });
 }
 
 }  // namespace gauntlet::sim

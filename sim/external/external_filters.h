@@ -1,5 +1,6 @@
 #pragma once
 
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -16,43 +17,45 @@ void AllowPrograms(bool allowed = true);
 /// The consent as messages call it, in place of --allow-programs. `option` lives for ever.
 void NameConsent(const char* option);
 
-/// True if the controller has a filter that is a program.
+/// True if the controller has a filter that is a program, or an object (own_objects.h).
 bool HasPrograms(const controller::ControllerConfig& config);
-/// True if all its programs, if there are any, are said to be deterministic.
-bool IsDeterministic(const controller::ControllerConfig& config);
 
-/// Finds what is wrong with the programs of a controller, and starts none.
+/// Finds what is wrong with the programs and objects of a controller, and starts none.
 /// Errors: SettingError `filter[i].command` without the consent, and for one that is not there.
 void CheckPrograms(const controller::ControllerConfig& config);
-/// The controller with `none` in place of its programs.
+/// The controller with `none` in their place.
 controller::ControllerConfig WithoutPrograms(controller::ControllerConfig config);
 /// The files that decide what its programs do, as far as they are there.
 std::vector<std::filesystem::path> ProgramFiles(const controller::ControllerConfig& config);
-/// A hash of the files that decide what its programs do; empty without programs.
-/// Errors: SettingError, RunError.
+/// A hash of what decides the answers of its programs and objects; empty without any. It is another
+/// at each consent if one of them is not said to be deterministic. Errors: SettingError, RunError.
 std::string HashOfPrograms(const controller::ControllerConfig& config);
 
-/// The programs of one trial. Each is started at the filter's first sample, and ends with the
-/// controller that is made of config(), while this object lives.
+/// Why the programs of a trial failed.
+struct TrialProblem {
+  std::string text;  // of the first that failed; empty: none did
+  std::exception_ptr mistake;
+};
+
+/// The programs and objects of one trial. Each is started at the filter's first sample, and ends
+/// with the controller that is made of config(), while this object lives.
 ///
-///     -> {"rate_hz": 1e3, "channel_count": 2, "channels": ["a", "b"], "parameters": {"x": 0.1}}
-///     -> 512,498.25
-///     <- 512,498.25      and so on, a line for a line
-///
-/// A program that fails is not asked again: its filter passes its input on, and ok() is false. The
-/// trial is then no trial of this controller. Units: those of the filter's input.
+/// One that fails is not asked again: its filter passes its input on, and ok() is false. The trial
+/// is then no trial of this controller. Units: those of the filter's input.
 class TrialPrograms {
  public:
   /// Errors: as CheckPrograms().
   explicit TrialPrograms(const controller::ControllerConfig& config);
 
   const controller::ControllerConfig& config() const { return config_; }
-  bool ok() const noexcept { return problem_->empty(); }
-  /// Of the first program that failed: "python3 my_filter.py: .. at sample 100".
-  const std::string& problem() const { return *problem_; }
+  bool ok() const noexcept { return problem_->text.empty(); }
+  /// Of the first that failed: "python3 my_filter.py: .. at sample 100".
+  const std::string& problem() const { return problem_->text; }
+  /// Errors: the SettingError of an object with which no trial of the controller can be run.
+  void ThrowMistake(const std::string& controller) const;
 
  private:
-  std::shared_ptr<std::string> problem_;
+  std::shared_ptr<TrialProblem> problem_;
   std::shared_ptr<const controller::FilterMaker> maker_;
   controller::ControllerConfig config_;
 };

@@ -10,6 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
+#include "sim/external/own_objects.h"
 #include "sim/glove/glove.h"
 #include "sim/scenario/controller_defaults.h"
 #include "sim/scenario/included_controllers.h"
@@ -98,7 +99,7 @@ void PlacePrograms(const YamlSource& source, Scenario& scenario) {
   for (NamedController& named : scenario.controllers) {
     for (std::size_t i = 0; i < named.config.filters.size(); ++i) {
       auto* external = std::get_if<controller::ExternalConfig>(&named.config.filters[i].settings);
-      if (external == nullptr || !external->folder.empty()) continue;
+      if (external == nullptr || NamesObject(*external) || !external->folder.empty()) continue;
       const std::string filter = fmt::format("controllers.{}.filter", named.name);
       const bool is_set = source.OverrideOf(filter + ".command") != nullptr ||
                           source.OverrideOf(fmt::format("{}[{}].command", filter, i)) != nullptr;

@@ -1,8 +1,5 @@
 #include "sim/study/study_identity.h"
 
-#include <fmt/format.h>
-
-#include <random>
 #include <span>
 #include <string_view>
 
@@ -98,15 +95,6 @@ class SettingsHash final : public controller::SettingsVisitor {
   Hash hash_;
 };
 
-/// A text that no other run of Gauntlet has: what is known by it is not found again.
-const std::string& OnlyOnce() {
-  static const std::string kOnce = [] {
-    std::random_device source;
-    return fmt::format("{:x} {:x} {:x} {:x}", source(), source(), source(), source());
-  }();
-  return kOnce;
-}
-
 }  // namespace
 
 std::string SharedSettings(const Study& study) {
@@ -138,10 +126,7 @@ std::string HashOfSettings(const NamedController& controller) {
   SettingsHash hash;
   hash.Text(settings.name);
   settings.Visit(hash);
-  if (HasPrograms(controller.config)) {
-    hash.Text(HashOfPrograms(controller.config));
-    if (!IsDeterministic(controller.config)) hash.Text(OnlyOnce());
-  }
+  if (HasPrograms(controller.config)) hash.Text(HashOfPrograms(controller.config));
   return hash.Result();
 }
 

@@ -26,8 +26,8 @@ std::string SharedSettings(const Study& study);
 /// the program itself: another build may compute other bytes.
 std::string HashOfStudy(const Study& study);
 
-/// Hash of all settings of a controller, of its name, and of the files of its programs. With a
-/// program that is not said to be deterministic, no other run of Gauntlet has the same.
+/// Hash of all settings of a controller, of its name, and of what its programs are (see
+/// HashOfPrograms()).
 std::string HashOfSettings(const NamedController& controller);
 
 /// All of these of a study. Costs milliseconds: once per study, not per file that is opened.

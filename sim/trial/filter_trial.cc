@@ -244,6 +244,7 @@ std::vector<Trace> RunFilterTrials(std::span<const TrialSetup> setups, const Glo
     traces[i].controller_name = setups[i].controller_name;
     const auto untrusted = steps[trials[i].steps()].guard().untrusted_samples();
     traces[i].untrusted_samples.assign(untrusted.begin(), untrusted.end());
+    programs[i].ThrowMistake(setups[i].controller_name);
     if (!programs[i].ok()) traces[i].health = {.ok = false, .problem = programs[i].problem()};
   }
   return traces;

@@ -54,6 +54,7 @@ Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove, const TrialOpt
   trace.health = loop.hand().health();
   if (trace.health.ok && !programs.ok()) {
     ThrowIfStopped();  // which also ends a program's wait
+    programs.ThrowMistake(setup.controller_name);
     trace.health = {.ok = false, .problem = programs.problem()};
   }
   return trace;
