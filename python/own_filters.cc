@@ -96,7 +96,8 @@ class Call {
   try {
     const py::module_ filters = py::module_::import("gauntlet._filters");
     looks_ahead = raised.matches(filters.attr("LooksAhead"));
-    reason = py::str(filters.attr("reason")(raised.value()));
+    const py::object trace = raised.trace() ? raised.trace() : py::none();
+    reason = py::str(filters.attr("reason")(raised.value(), trace));
   } catch (const py::error_already_set&) {
     reason = "raised an exception that cannot be shown";
   }
@@ -109,7 +110,7 @@ std::string TypeName(const py::handle& object) {
   return py::str(py::type::handle_of(object).attr("__name__"));
 }
 
-/// An object with step(sample).
+/// An object with step(sample), and start_channel(channel) if it is told of a new start.
 class ObjectStepper final : public sim::Stepper {
  public:
   ObjectStepper(const py::object& make, const sim::FilterFacts& facts) : channels_(facts.channels) {
@@ -117,7 +118,9 @@ class ObjectStepper final : public sim::Stepper {
     try {
       py::dict parameters;
       for (const auto& [name, value] : facts.parameters) parameters[py::str(name)] = value;
-      step_ = make(facts.rate_hz, facts.channels, parameters).attr("step");
+      const py::object filter = make(facts.rate_hz, facts.channels, parameters);
+      step_ = filter.attr("step");
+      start_channel_ = py::getattr(filter, "start_channel", py::none());
     } catch (const py::error_already_set& raised) {
       Rethrow(raised);
     }
@@ -125,6 +128,7 @@ class ObjectStepper final : public sim::Stepper {
   ~ObjectStepper() override {
     const Gil gil;
     step_ = {};
+    start_channel_ = {};
   }
 
   void Step(std::span<const double> input, std::span<double> output) override {
@@ -132,6 +136,16 @@ class ObjectStepper final : public sim::Stepper {
     try {
       Take(step_(py::array_t<double>(static_cast<py::ssize_t>(input.size()), input.data())),
            output);
+    } catch (const py::error_already_set& raised) {
+      Rethrow(raised);
+    }
+  }
+
+  void StartChannel(int channel) override {
+    if (start_channel_.is_none()) return;
+    const Call call;
+    try {
+      start_channel_(channel);
     } catch (const py::error_already_set& raised) {
       Rethrow(raised);
     }
@@ -168,6 +182,7 @@ class ObjectStepper final : public sim::Stepper {
 
   std::vector<std::string> channels_;
   py::object step_;
+  py::object start_channel_;  // None: goes on from the last value
 };
 
 }  // namespace

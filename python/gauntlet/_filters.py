@@ -9,6 +9,7 @@ import secrets
 import sys
 import time
 import traceback
+import types
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Optional
 
@@ -24,7 +25,9 @@ class PythonFilter:
     """A filter of your own, with settings, in a dict of a scenario: {"filter": PythonFilter(Mine, parameters={"a": 0.1})}.
 
     make           class or function; make(rate_hz=.., channels=[..], **parameters) returns an object for one filter of
-                   one trial. Its step(sample) gets an array with a value for each channel and returns as many.
+                   one trial. Its step(sample) gets an array with a value for each channel and returns as many. If it
+                   has start_channel(index), this is called where the samples of a channel were not trusted for a
+                   while: its next sample is as its first one. Else it gets the last good value meanwhile.
     parameters     numbers by name, which tune() and sweep() can change: "filter.parameters.a"
     deterministic  the answers depend on samples and parameters alone: finished trials are kept if `make` is at the
                    top level of a file that has not changed since Python started
@@ -98,11 +101,14 @@ class Filters:
         return name
 
 
-def reason(error: BaseException) -> str:
-    """One exception of a filter as the end of a sentence, with its line outside of this package."""
-    text = str(error) if isinstance(error, LooksAhead) else "".join(traceback.format_exception_only(error)[-1:]).strip()
+def reason(error: BaseException, trace: Optional[types.TracebackType]) -> str:
+    """An exception of a filter as the end of a sentence, with its line outside of this package."""
+    text = str(error)
+    if isinstance(error, LooksAhead):
+        return text
+    text = f"{type(error).__name__}: {text}" if text else type(error).__name__
     package = os.path.dirname(os.path.abspath(__file__)) + os.sep
-    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+    for frame in reversed(traceback.extract_tb(trace)):
         if not os.path.abspath(frame.filename).startswith(package):
             return f"{text} ({os.path.basename(frame.filename)}:{frame.lineno})"
     return text
@@ -182,7 +188,7 @@ def _files(make: Callable[..., Any]) -> list[pathlib.Path]:
     for part in inspect.getmro(make)[:-1] if isinstance(make, type) else [make]:
         try:
             file = pathlib.Path(inspect.getsourcefile(part) or "")
-            if not file.is_file() or file.stat().st_mtime >= _STARTED_S:
+            if isinstance(part, type) and not part.__flags__ & _MADE_BY_PYTHON or not file.is_file() or file.stat().st_mtime >= _STARTED_S:
                 return []
         except (TypeError, OSError):  # built in, or not there
             return []
@@ -198,3 +204,4 @@ def _start_s() -> float:
 
 
 _STARTED_S = _start_s()
+_MADE_BY_PYTHON = 1 << 9  # Py_TPFLAGS_HEAPTYPE

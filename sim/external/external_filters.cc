@@ -85,22 +85,27 @@ class ExternalFilter final : public Filter {
 
  private:
   void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
-    const bool has_answer = problem_->text.empty() && Ask(input, output);
+    const bool has_answer = problem_->text.empty() && Try([&] {
+      ++samples_;
+      if (!stepper_) stepper_ = make_();
+      stepper_->Step(input, output);
+    });
     if (!has_answer && input.data() != output.data()) {
       std::copy(input.begin(), input.end(), output.begin());
     }
   }
-  /// It is not told of a channel that starts anew: it goes on from the last value.
-  void ResetChecked(int /*channel*/) noexcept override {}
+  void ResetChecked(int channel) noexcept override {
+    if (!stepper_) return;  // nothing to forget, or failed
+    Try([this, channel] { stepper_->StartChannel(channel); });
+  }
   void StartChecked(std::span<const double> /*values*/) noexcept override {}
   bool TakeChecked(Filter& /*from*/) noexcept override { return false; }
 
-  /// False, with `output` as it was, if it failed.
-  bool Ask(std::span<const double> input, std::span<double> output) noexcept {
+  /// False if it fails.
+  template <class Work>
+  bool Try(const Work& work) noexcept {
     try {
-      ++samples_;
-      if (!stepper_) stepper_ = make_();
-      stepper_->Step(input, output);
+      work();
       return true;
     } catch (const controller::SettingError& error) {
       problem_->mistake = std::current_exception();

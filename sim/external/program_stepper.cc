@@ -43,6 +43,9 @@ class ProgramStepper final : public Stepper {
     is_first_ = false;
   }
 
+  /// A program is not told of it: it goes on from the last value.
+  void StartChannel(int /*channel*/) override {}
+
  private:
   static constexpr int kPatienceAtStart = 10;  // it may load libraries
 

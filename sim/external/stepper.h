@@ -24,6 +24,9 @@ class Stepper {
   /// Errors: RunError whose text is the end of a sentence ("answered 1 value, must be 2"): the
   /// trial fails. SettingError: no trial of this filter can be run. Cancelled.
   virtual void Step(std::span<const double> input, std::span<double> output) = 0;
+  /// The next sample of a channel is as its first one: before, its samples were not trusted for a
+  /// while. Errors: as Step().
+  virtual void StartChannel(int channel) = 0;
 
  protected:
   Stepper() = default;
