@@ -162,8 +162,9 @@ class ObjectStepper final : public sim::Stepper {
                                       TypeName(answer), output.size()));
     }
     if (any.ndim() != 1) {
-      throw sim::RunError(fmt::format("returned an array of {} dimensions, must be one of {} values",
-                                      any.ndim(), output.size()));
+      throw sim::RunError(
+          fmt::format("returned an array of {} dimensions, must be one of {} values", any.ndim(),
+                      output.size()));
     }
     if (any.size() != std::ssize(output)) {
       throw sim::RunError(fmt::format("returned {} value{}, must be {}", any.size(),
@@ -195,10 +196,10 @@ sim::OwnObjects OwnObjectsOf(const py::dict& filters) {
       const Gil gil;
       delete last;
     });
-    objects[name.cast<std::string>()] = {
-        .identity = identity, .make = [held](const sim::FilterFacts& facts) {
-          return std::make_unique<ObjectStepper>(*held, facts);
-        }};
+    objects[name.cast<std::string>()] = {.identity = identity,
+                                         .make = [held](const sim::FilterFacts& facts) {
+                                           return std::make_unique<ObjectStepper>(*held, facts);
+                                         }};
   }
   return objects;
 }

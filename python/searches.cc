@@ -163,7 +163,8 @@ void BindSearches(py::module_& module) {
                      .evaluations = evaluations,
                      .all = all,
                      .filter_only = filter_only},
-                    {file, text}, overrides, jobs, {allow_programs, OwnObjectsOf(filters)}, on_progress);
+                    {file, text}, overrides, jobs, {allow_programs, OwnObjectsOf(filters)},
+                    on_progress);
       },
       py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("controller"),
       py::arg("free"), py::arg("minimise"), py::arg("subject_to"), py::arg("seeds"),

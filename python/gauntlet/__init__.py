@@ -1,7 +1,8 @@
 """Gauntlet in Python: controllers and filters on arrays, and the commands of the program.
 
 Settings are a file, the text of a YAML file, or a dict. They are the same as those of the program, and so are
-the results, to the last bit. A mistake is a SettingError with place and key.
+the results, to the last bit. A mistake is a SettingError with place and key. In a dict, a filter can also be a class or
+a function of yours: see PythonFilter.
 """
 from __future__ import annotations
 
@@ -23,9 +24,9 @@ from ._results import (Column, Figure, IdentifyResult, InspectResult, Result, Si
 from ._settings import Settings, overrides as _overrides, source as _source, to_yaml
 
 __version__: str = _core.__version__
-__all__ = ["Column", "Controller", "Figure", "IdentifyResult", "InspectResult", "PythonFilter", "Remark", "Result", "RunError", "SettingError",
-           "Settings", "SignalArrays", "StudyResult", "SweepResult", "Table", "TuneResult", "compare", "filter",
-           "filter_kinds", "identify", "inspect", "run", "sweep", "to_yaml", "tune"]
+__all__ = ["Column", "Controller", "Figure", "IdentifyResult", "InspectResult", "PythonFilter", "Remark", "Result", "RunError",
+           "SettingError", "Settings", "SignalArrays", "StudyResult", "SweepResult", "Table", "TuneResult", "compare",
+           "filter", "filter_kinds", "identify", "inspect", "run", "sweep", "to_yaml", "tune"]
 
 #: None: a line on standard error if that is a terminal. True, False: with or without it. Or a function of
 #: what is done and what there is in all, called about twenty times per second.

@@ -86,10 +86,10 @@ class ExternalFilter final : public Filter {
  private:
   void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
     const bool has_answer = problem_->text.empty() && Try([&] {
-      ++samples_;
-      if (!stepper_) stepper_ = make_();
-      stepper_->Step(input, output);
-    });
+                              ++samples_;
+                              if (!stepper_) stepper_ = make_();
+                              stepper_->Step(input, output);
+                            });
     if (!has_answer && input.data() != output.data()) {
       std::copy(input.begin(), input.end(), output.begin());
     }

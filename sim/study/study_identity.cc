@@ -1,5 +1,8 @@
 #include "sim/study/study_identity.h"
 
+#include <dlfcn.h>
+#include <link.h>
+
 #include <span>
 #include <string_view>
 
@@ -13,9 +16,23 @@ namespace {
 
 using controller::Setting;
 
+/// The file that contains this code: the program, or a library in the program that loads it, as
+/// Python.
+std::string FileOfCode() {
+  static const char here = 0;
+  Dl_info info;
+  const link_map* object = nullptr;
+  void* found = nullptr;
+  if (dladdr1(&here, &info, &found, RTLD_DL_LINKMAP) != 0) {
+    object = static_cast<const link_map*>(found);
+  }
+  const bool is_library = object != nullptr && object->l_name[0] != '\0';
+  return is_library ? object->l_name : "/proc/self/exe";
+}
+
 /// The program's own bytes: another build may compute other bytes.
 const std::string& HashOfProgram() {
-  static const std::string kHash = HashOfFile("/proc/self/exe");
+  static const std::string kHash = HashOfFile(FileOfCode());
   return kHash;
 }
 

@@ -29,8 +29,8 @@ struct TrialOptions {
 
 /// The one loop in which simulated time advances: glove sample -> controller -> event -> hand. It
 /// begins in the posture that the wearer's first angles ask for. Deterministic: same arguments,
-/// same bytes; what is recorded changes none of them. A filter that is a program or an object and fails
-/// ends the trial as a hand does that diverges. Errors: SettingError, as of TrialPrograms;
+/// same bytes; what is recorded changes none of them. A filter that is a program or an object and
+/// fails ends the trial as a hand does that diverges. Errors: SettingError, as of TrialPrograms;
 /// std::invalid_argument for a signal that there is not (the caller's mistake).
 Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove, const TrialOptions& options = {});
 

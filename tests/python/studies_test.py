@@ -1,6 +1,10 @@
 """The module gives the bytes of the program."""
 import json
+import os
 import pathlib
+import shutil
+import subprocess
+import sys
 import unittest
 
 import numpy as np
@@ -41,6 +45,22 @@ class Studies(Test):
         again = gauntlet.compare("hold_still", set=SHORT, seeds=2, out="kept")
         self.assertEqual(first.json, again.json)
         self.assertTrue(any("continues from" in line for line in again.remarks), again.remarks)
+
+    def test_another_build_of_the_module_does_not_find_what_was_kept(self):
+        package = pathlib.Path("other/gauntlet")
+        shutil.copytree(pathlib.Path(gauntlet.__file__).parent, package)
+        code = f"import gauntlet; print(gauntlet.compare('hold_still', set={SHORT!r}, seeds=2, out='kept').remarks)"
+
+        def remarks(folder):
+            environment = {**os.environ, "PYTHONPATH": folder, "GAUNTLET_DATA_DIR": str(SOURCE)}
+            return subprocess.run([sys.executable, "-W", "ignore", "-c", code], env=environment, text=True, capture_output=True,
+                                  check=True).stdout
+
+        self.assertNotIn("continues from", remarks("other"))
+        self.assertIn("continues from", remarks("other"))
+        with next(package.glob("_core*.so")).open("ab") as module:
+            module.write(b"\0")
+        self.assertNotIn("continues from", remarks("other"))
 
     def test_programs_run_with_consent_to_this_call_alone(self):
         (self.folder / "f.py").write_text("import sys\nopen('was_here', 'w')\nnext(sys.stdin)\n"
