@@ -32,14 +32,17 @@ class Turn {
       throw sim::RunError("a progress callback cannot begin another long call");
     }
     if (IsInOwnFilter()) throw sim::RunError("a filter cannot begin another long call");
-    for (;;) {
-      bool taken = false;
+    const Waiting here;
+    for (bool taken = false; !taken;) {
       {
         const py::gil_scoped_release unlocked;
         taken = mutex.try_lock_for(kPatience);
       }
-      if (taken) break;
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (!taken && PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+    if (is_last) {
+      mutex.unlock();
+      throw sim::RunError("Python is ending");
     }
     owner = std::this_thread::get_id();
     sim::stop_signal = 0;
@@ -52,7 +55,30 @@ class Turn {
   Turn(const Turn&) = delete;
   Turn& operator=(const Turn&) = delete;
 
+  /// Stops the work that runs now, waits for its end, and lets none begin any more.
+  static void End() {
+    is_last = true;
+    for (bool taken = false; !taken;) {
+      sim::stop_signal = SIGTERM;
+      InterruptOwnFilters();
+      const py::gil_scoped_release unlocked;
+      taken = mutex.try_lock_for(kPatience);
+    }
+    mutex.unlock();
+    const py::gil_scoped_release unlocked;
+    while (waiting > 0) std::this_thread::sleep_for(1ms);
+  }
+
  private:
+  struct Waiting {
+    Waiting() { ++waiting; }
+    ~Waiting() { --waiting; }
+    Waiting(const Waiting&) = delete;
+    Waiting& operator=(const Waiting&) = delete;
+  };
+
+  static inline std::atomic<int> waiting{0};
+  static inline std::atomic<bool> is_last{false};
   static inline std::timed_mutex mutex;
   static inline std::atomic<std::thread::id> owner;
 };
@@ -144,6 +170,8 @@ std::vector<std::string> LongWork::TakeRemarks() {
   const std::lock_guard lock(mutex_);
   return std::exchange(remarks_, {});
 }
+
+void EndLongCalls() { Turn::End(); }
 
 std::vector<std::string> RunLong(const py::object& on_progress,
                                  const std::function<void(LongWork&)>& work) {

@@ -36,4 +36,8 @@ class LongWork {
 std::vector<std::string> RunLong(const pybind11::object& on_progress,
                                  const std::function<void(LongWork&)>& work);
 
+/// Stops the long call of another thread, and lets none begin any more: before Python ends, which
+/// would end that thread in the middle of C++.
+void EndLongCalls();
+
 }  // namespace gauntlet::python

@@ -5,6 +5,7 @@
 
 #include "controller/settings.h"
 #include "python/bindings.h"
+#include "python/long_call.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/external/external_filters.h"
@@ -50,4 +51,5 @@ PYBIND11_MODULE(_core, module) {
   BindStudies(module);
   BindSearches(module);
   BindLogs(module);
+  py::module_::import("atexit").attr("register")(py::cpp_function(&EndLongCalls));
 }

@@ -96,7 +96,10 @@ def _flow(value: Any, key: str) -> str:
         return "[" + ", ".join(_flow(item, key) for item in value) + "]"
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{_text(str(k))}: {_flow(v, key)}" for k, v in value.items()) + "}"
-    raise SettingError("", key, f"is of type {type(value).__name__}, must be a number, text, list or dict")
+    allowed = "a number, text, list or dict"
+    if hasattr(value, "step"):
+        allowed = "the class, or a function that makes such an object: each trial needs a new one"
+    raise SettingError("", key, f"is of type {type(value).__name__}, must be {allowed}")
 
 
 def _text(text: str) -> str:

@@ -13,7 +13,7 @@ namespace gauntlet::sim {
 /// A filter as an object of the process that uses this library, as of Python.
 struct OwnObject {
   std::string identity;  // of its code: equal where it answers alike
-  /// A new one, called at the first sample of a filter, from any thread. Errors: as Stepper::Step().
+  /// A new one, at the first sample of a filter, in any thread. Errors: as Stepper::Step().
   std::function<std::unique_ptr<Stepper>(const FilterFacts&)> make;
 };
 using OwnObjects = std::map<std::string, OwnObject>;

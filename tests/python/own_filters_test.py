@@ -179,6 +179,8 @@ class OwnFilters(Test):
         self.assertEqual(self.mistake(gauntlet.to_yaml, given).key, "filter")
         for call, arguments in ((gauntlet.filter, (np.zeros((4, 2)), {"kind": Exponential})), (gauntlet.Controller, (given,))):
             self.mistake(call, *arguments)
+        error = self.mistake(gauntlet.run, scenario(mine=Exponential(1000, CHANNELS)))
+        self.assertIn("filter: is of type Exponential, must be the class, or a function", str(error))
         program("export", "out", "--controller", "mine", "--out", "robot.yaml", code=2)
 
     def test_trials_are_kept_only_of_known_code_that_is_deterministic(self):

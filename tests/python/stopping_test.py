@@ -4,6 +4,7 @@ import pathlib
 import signal
 import subprocess
 import sys
+import textwrap
 import threading
 import time
 import unittest
@@ -39,6 +40,28 @@ class Stopping(Test):
         self.assertEqual(child.returncode, 0)
         left = {path.name for path in pathlib.Path("out").rglob("*")} if pathlib.Path("out").exists() else set()
         self.assertLessEqual(left, {"study.db"})
+
+    def test_the_end_of_python_stops_threads_that_are_not_waited_for(self):
+        script = """
+            import gauntlet, threading
+            class Slow:
+                def __init__(self, **facts): pass
+                def step(self, sample):
+                    inside.set()
+                    while FILTER_HANGS: pass
+                    return sample
+            scenario = {"question": "q", "glove": {"motion": {"kind": "hold", "duration_s": 60}},
+                        "controllers": {"a": {"filter": Slow}, "b": {"filter": "none"}}}
+            inside = threading.Event()
+            for _ in range(2):  # the second waits for its turn
+                threading.Thread(target=lambda: gauntlet.compare(scenario, seeds=9, out="out"), daemon=True).start()
+            inside.wait()
+            print("ends")
+            """
+        for hangs in ("True", "False"):
+            done = subprocess.run([sys.executable, "-W", "ignore", "-c", textwrap.dedent(script.replace("FILTER_HANGS", hangs))],
+                                  text=True, capture_output=True, timeout=60)
+            self.assertEqual((done.returncode, done.stdout), (0, "ends\n"), done.stderr)
 
     def test_an_exception_of_the_callback_stops_the_work_and_comes_out(self):
         def told(done, total):
