@@ -241,32 +241,32 @@ def sweep(study: Settings, *, set: Overrides = None, seeds: Optional[int] = None
 
 
 def identify(log: Union[str, "os.PathLike[str]"], *, source: str = "wearer", controller: str = "", array: str = "",
-             map: Union[str, "os.PathLike[str]"] = "", unit: str = "", episode: Optional[int] = None, held: bool = False,
-             progress: Progress = None) -> IdentifyResult:
+             topic: str = "", map: Union[str, "os.PathLike[str]"] = "", unit: str = "", episode: Optional[int] = None,
+             held: bool = False, progress: Progress = None) -> IdentifyResult:
     """Delay, lag and hysteresis of a hand from a log of commands and angles, or from an output folder.
 
     source      of an output folder: the chain from the wearer's angles ("wearer") or from the targets ("target")
     controller  of an output folder; empty: the scenario's first
-    array, map, unit, episode, held  as of `gauntlet identify`
+    array, topic, map, unit, episode, held  as of `gauntlet identify`
     """
     if source not in ("wearer", "target"):
         raise SettingError("source", "", f"is {source}, must be wearer or target")
     if unit not in ("", "deg", "rad"):
         raise SettingError("unit", "", f"is {unit}, must be deg or rad")
     with _Line(progress, "identify") as told:
-        found = _core.identify(os.fspath(log), controller, source == "wearer", array, os.fspath(map), unit, episode, held,
-                               told)
+        found = _core.identify(os.fspath(log), controller, source == "wearer", _array(array, topic), os.fspath(map), unit,
+                               episode, held, told)
     _remark(found["remarks"])
     return IdentifyResult(found)
 
 
-def inspect(file: Union[str, "os.PathLike[str]"], *, rate_hz: float = 0.0, array: str = "", preset: str = "",
-            hand: str = "", map: Union[str, "os.PathLike[str]"] = "",
+def inspect(file: Union[str, "os.PathLike[str]"], *, rate_hz: float = 0.0, array: str = "", topic: str = "",
+            preset: str = "", hand: str = "", map: Union[str, "os.PathLike[str]"] = "",
             columns: Optional[tuple[int, int]] = None) -> InspectResult:
     """What a recording is: format, rate, unit, joints, defects. Arguments as of `gauntlet inspect`."""
     if hand not in ("", "left", "right"):
         raise SettingError("hand", "", f"is {hand}, must be left or right")
-    found = _core.inspect(os.fspath(file), rate_hz, array, preset, hand, os.fspath(map), columns, None)
+    found = _core.inspect(os.fspath(file), rate_hz, _array(array, topic), preset, hand, os.fspath(map), columns, None)
     _remark(found["remarks"])
     return InspectResult(found)
 
@@ -297,6 +297,12 @@ def _texts(texts: Union[str, Sequence[str]], name: str) -> list[str]:
     if isinstance(texts, str):
         raise SettingError(name, "", f"is a text, must be a list: [{texts!r}]")
     return [str(text) for text in texts]
+
+
+def _array(array: str, topic: str) -> str:
+    if array and topic:
+        raise SettingError("topic", "", "excludes array: a file has either")
+    return array or topic
 
 
 def _jobs(jobs: int) -> int:

@@ -155,6 +155,13 @@ class Studies(Test):
         self.assertIn("dead_time_ms", result.chain_yaml)
         recording = SOURCE / "scenarios/recordings/sign_glove/letters_v_h_r.csv"
         self.assertEqual(gauntlet.inspect(recording).data, json.loads(program("inspect", recording, "--json")[0]))
+        gauntlet.run("hold_still", set=SHORT, controllers=["raw"], causes="none", out="out", mcap=True)
+        topics = ["/raw/command_counts", "/raw/hand_angle_rad"]
+        found = [gauntlet.inspect("out/trace.mcap", topic=topic).data for topic in topics]
+        self.assertNotEqual(*found)
+        for topic, ours in zip(topics, found):
+            self.assertEqual(ours, json.loads(program("inspect", "out/trace.mcap", "--topic", topic, "--json")[0]))
+        self.assertEqual(self.mistake(gauntlet.inspect, "out/trace.mcap", topic="a", array="b").place, "topic")
 
 
 if __name__ == "__main__":
