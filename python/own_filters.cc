@@ -154,21 +154,18 @@ class ObjectStepper final : public sim::Stepper {
  private:
   /// Errors: RunError.
   void Take(const py::object& answer, std::span<double> output) const {
+    const auto fail = [&output](const std::string& returned) {
+      throw sim::RunError(fmt::format("returned {}, must be an array of {} number{}", returned,
+                                      output.size(), output.size() == 1 ? "" : "s"));
+    };
     const py::array any = py::array::ensure(answer);
     PyErr_Clear();
     const char kind = any ? any.dtype().kind() : 'O';
-    if (kind != 'f' && kind != 'i' && kind != 'u') {
-      throw sim::RunError(fmt::format("returned {}, must be an array of {} numbers",
-                                      TypeName(answer), output.size()));
-    }
-    if (any.ndim() != 1) {
-      throw sim::RunError(
-          fmt::format("returned an array of {} dimensions, must be one of {} values", any.ndim(),
-                      output.size()));
-    }
+    const bool is_real = kind == 'f' || kind == 'i' || kind == 'u';
+    if (!is_real || any.ndim() == 0) fail(TypeName(answer));
+    if (any.ndim() != 1) fail(fmt::format("an array of {} dimensions", any.ndim()));
     if (any.size() != std::ssize(output)) {
-      throw sim::RunError(fmt::format("returned {} value{}, must be {}", any.size(),
-                                      any.size() == 1 ? "" : "s", output.size()));
+      fail(fmt::format("{} value{}", any.size(), any.size() == 1 ? "" : "s"));
     }
     const auto values = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(any);
     if (!values) throw py::error_already_set();

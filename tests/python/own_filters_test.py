@@ -93,11 +93,12 @@ class OwnFilters(Test):
 
         filters = {
             "raises": (steps(raises), r"python:Steps\w*: at sample 100: ValueError: no more\\nof it \(own_filters_test.py:\d+\)"),
-            "short": (steps(lambda sample, number: sample[:2 - (number == 7)]), "at sample 7: returned 1 value, must be 2"),
+            "short": (steps(lambda sample, number: sample[:2 - (number == 7)]), "at sample 7: returned 1 value, must be an array of 2 numbers"),
             "nan": (steps(lambda sample, number: sample + [0, np.nan]), "at sample 1: returned nan for middle_mcp, must be finite"),
             "none_at_all": (steps(lambda sample, number: None), "at sample 1: returned NoneType, must be an array of 2 numbers"),
             "texts": (steps(lambda sample, number: ["a", "b"]), "returned list, must be an array of 2 numbers"),
-            "matrix": (steps(lambda sample, number: sample[None]), "returned an array of 2 dimensions, must be one of 2 values"),
+            "matrix": (steps(lambda sample, number: sample[None]), "returned an array of 2 dimensions, must be an array of 2 numbers"),
+            "scalar": (steps(lambda sample, number: 3.0), "returned float, must be an array of 2 numbers"),
             "exits": (steps(lambda sample, number: sys.exit(3)), "at sample 1: SystemExit: 3"),
             "is_unknown": (PythonFilter(Exponential, parameters={"aplha": 1}), "unexpected keyword argument 'aplha'"),
             "has_no_step": (lambda **_: 5, "'int' object has no attribute 'step'"),
