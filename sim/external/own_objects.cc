@@ -4,7 +4,6 @@
 
 #include <mutex>
 #include <string_view>
-#include <utility>
 
 #include "sim/base/text.h"
 
@@ -18,10 +17,10 @@ std::map<std::string, std::shared_ptr<const OwnObject>> known_objects;
 
 }  // namespace
 
-void SetOwnObjects(OwnObjects objects) {
+void SetOwnObjects(const OwnObjects& objects) {
   std::map<std::string, std::shared_ptr<const OwnObject>> shared;
-  for (auto& [name, object] : objects) {
-    shared[name] = std::make_shared<const OwnObject>(std::move(object));
+  for (const auto& [name, object] : objects) {
+    shared[name] = std::make_shared<const OwnObject>(object);
   }
   const std::lock_guard lock(objects_mutex);
   known_objects.swap(shared);

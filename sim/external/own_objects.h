@@ -19,7 +19,7 @@ struct OwnObject {
 using OwnObjects = std::map<std::string, OwnObject>;
 
 /// The objects that `command: python:NAME` can name from now on. No file can add one.
-void SetOwnObjects(OwnObjects objects);
+void SetOwnObjects(const OwnObjects& objects);
 
 /// True if the command names an object, be it there or not.
 bool NamesObject(const controller::ExternalConfig& config);

@@ -19,11 +19,11 @@ using controller::Setting;
 /// The file that contains this code: the program, or a library in the program that loads it, as
 /// Python.
 std::string FileOfCode() {
-  static const char here = 0;
+  static const char kHere = 0;
   Dl_info info;
   const link_map* object = nullptr;
   void* found = nullptr;
-  if (dladdr1(&here, &info, &found, RTLD_DL_LINKMAP) != 0) {
+  if (dladdr1(&kHere, &info, &found, RTLD_DL_LINKMAP) != 0) {
     object = static_cast<const link_map*>(found);
   }
   const bool is_library = object != nullptr && object->l_name[0] != '\0';
