@@ -4,12 +4,16 @@ namespace gauntlet::controller {
 
 void ExternalConfig::Visit(SettingsVisitor& visitor) {
   visitor.Text({.key = "command",
-                .help = "the program and its arguments; quotes keep blanks, no shell reads it",
-                .required = true},
+                .help = "the program and its arguments; quotes keep blanks, no shell reads it"},
                command);
-  visitor.Path({"folder", "where it runs [the folder of the file that names it]"}, folder);
+  visitor.Text({.key = "library",
+                .help = "in place of a program, a shared library with gauntlet_filter_1() of "
+                        "gauntlet_filter.h"},
+               library);
+  visitor.Path({"folder", "where it runs or is [the folder of the file that names it]"}, folder);
   visitor.Number(
-      {"timeout_ms", "longest wait for an answer; for the first, ten times as long", 1, 600'000},
+      {"timeout_ms", "longest wait for an answer of a program; for the first, ten times as long", 1,
+       600'000},
       timeout_ms);
   visitor.Flag({"deterministic",
                 "its answers depend on its samples and parameters alone: finished trials are kept"},

@@ -57,6 +57,7 @@ struct LiveCommand {
   std::string listen{kLoopback};
   std::string out;
   std::vector<std::string> overrides;
+  bool allow_programs = false;
   bool json = false;
   TerminalOptions terminal;
 
@@ -91,6 +92,7 @@ struct LiveCommand {
                 .check = ProblemOfIpv4},
                "IPv4 address of the page; another one admits browsers on other computers"),
         OutOption(out, "output folder [out/<scenario>_live]"),
+        AllowProgramsOption(allow_programs),
         SetOption(overrides, "change a value of the scenario; may be repeated"),
         Option("--json", &json, {}, "print live.json instead of the report"),
         terminal.Rows(),
@@ -226,17 +228,18 @@ const std::filesystem::path& NewRecording(const std::filesystem::path& file) {
 }
 
 void RunLiveCommand(const LiveCommand& command) {
+  if (command.allow_programs) AllowPrograms();
   const ScenarioSource source{.file = command.scenario_file,
                               .text = ReadYamlText(command.scenario_file),
                               .overrides = command.overrides};
   Scenario scenario = ParseScenario(source);
   KeepControllers(ControllersOf(command, scenario), scenario);
   for (const NamedController& named : scenario.controllers) {
-    if (!HasPrograms(named.config)) continue;
+    if (!HasSlowPrograms(named.config)) continue;
     throw UserError({.place = "--controller " + named.name,
                      .key = "filter",
                      .problem = "is a program (kind external), which has no place in real time; "
-                                "must be a filter of Gauntlet"});
+                                "must be a filter of Gauntlet or a library"});
   }
   const auto glove_address = AddressOf("--glove", command.glove, DeviceRole::kSource);
   const auto motors_address = AddressOf("--motors", command.motors, DeviceRole::kSink);
@@ -250,10 +253,14 @@ void RunLiveCommand(const LiveCommand& command) {
   SetSignalFolder(out);
   const Study study = PrepareStudy(source, std::move(scenario));
   LiveSetup setup{.trial = SetupOf(study, study.scenario.controllers.front(), study.scenario.seed)};
+  std::vector<TrialPrograms> libraries;  // of each controller
+  libraries.emplace_back(setup.trial.controller);
+  setup.trial.controller = libraries.back().config();
   const LinksConfig wanted = setup.trial.links.config;
   for (std::size_t i = 1; i < study.scenario.controllers.size(); ++i) {
     const NamedController& shadow = study.scenario.controllers[i];
-    setup.shadows.push_back({shadow.name, SetupOf(study, shadow, study.scenario.seed).controller});
+    libraries.emplace_back(SetupOf(study, shadow, study.scenario.seed).controller);
+    setup.shadows.push_back({shadow.name, libraries.back().config()});
   }
   std::unique_ptr<FrameSource> glove;
   std::unique_ptr<FrameSink> motors;
@@ -333,6 +340,11 @@ void RunLiveCommand(const LiveCommand& command) {
                        : "",
       recording_file ? "; " + recording.string() : "");
   ThrowIfFailed(result.facts, result.trace.health);
+  for (std::size_t i = 0; i < libraries.size(); ++i) {
+    if (libraries[i].ok()) continue;
+    throw RunError(fmt::format("{}: {}; from there on it passed its samples unfiltered",
+                               context.controllers[i], libraries[i].problem()));
+  }
 }
 
 }  // namespace

@@ -77,16 +77,21 @@ std::vector<std::string> CommandWords(const std::string& command) {
   return words;
 }
 
-ProgramCommand FindProgram(const controller::ExternalConfig& config) {
+fs::path FolderOf(const controller::ExternalConfig& config) {
   std::error_code unreadable;
   const fs::path folder = fs::absolute(config.folder).lexically_normal();
-  const fs::path place = config.folder.empty() ? fs::current_path() : folder;
+  fs::path place = config.folder.empty() ? fs::current_path() : folder;
   if (!fs::is_directory(place, unreadable)) {
     throw SettingError("folder", fmt::format("{}: no such folder", Shown(place.string())));
   }
+  return place;
+}
+
+ProgramCommand FindProgram(const controller::ExternalConfig& config) {
+  fs::path place = FolderOf(config);
   std::vector<std::string> words = CommandWords(config.command);
   fs::path program = ProgramOf(words[0], place);
-  return {.words = std::move(words), .program = std::move(program), .folder = place};
+  return {.words = std::move(words), .program = std::move(program), .folder = std::move(place)};
 }
 
 std::vector<fs::path> FilesOf(const ProgramCommand& command) {

@@ -13,6 +13,9 @@ namespace gauntlet::sim {
 /// Errors: SettingError `command` for a quote that does not end, or no word.
 std::vector<std::string> CommandWords(const std::string& command);
 
+/// The folder of the settings, absolute. Errors: SettingError `folder` for one that is not there.
+std::filesystem::path FolderOf(const controller::ExternalConfig& config);
+
 /// A command that can be started.
 struct ProgramCommand {
   std::vector<std::string> words;

@@ -21,6 +21,7 @@
 #include "sim/base/input_file.h"
 #include "sim/base/text.h"
 #include "sim/external/command_words.h"
+#include "sim/external/library_stepper.h"
 #include "sim/external/own_objects.h"
 #include "sim/external/program.h"
 #include "sim/external/program_stepper.h"
@@ -51,7 +52,13 @@ void ForEachExternal(const ControllerConfig& config, const See& see) {
 /// Makes the other side of a filter at its first sample.
 using MakeStepper = std::function<std::unique_ptr<Stepper>()>;
 
-/// Errors: SettingError for a program or an object that is not there.
+/// The files that decide what a program or library does. Errors: SettingError if it is not there.
+std::vector<std::filesystem::path> FilesOf(const ExternalConfig& config) {
+  if (!config.library.empty()) return {FindLibrary(config)};
+  return FilesOf(FindProgram(config));
+}
+
+/// Errors: SettingError for a program, library or object that is not there.
 MakeStepper MakerOf(const ExternalConfig& config, std::span<const std::string> channel_names,
                     double rate_hz) {
   FilterFacts facts = {.rate_hz = rate_hz,
@@ -59,6 +66,9 @@ MakeStepper MakerOf(const ExternalConfig& config, std::span<const std::string> c
                        .parameters = config.parameters};
   if (NamesObject(config)) {
     return [object = FindObject(config), facts = std::move(facts)] { return object->make(facts); };
+  }
+  if (!config.library.empty()) {
+    return [make = LoadLibrary(config), facts = std::move(facts)] { return make(facts); };
   }
   const auto limit = std::chrono::duration_cast<Program::Duration>(
       std::chrono::duration<double, std::milli>(config.timeout_ms));
@@ -74,7 +84,7 @@ class ExternalFilter final : public Filter {
                  double rate_hz, std::shared_ptr<TrialProblem> problem)
       : Filter(static_cast<int>(channel_names.size())),
         make_(MakerOf(config, channel_names, rate_hz)),
-        text_(OneLine(config.command)),
+        text_(OneLine(config.library.empty() ? config.command : config.library)),
         problem_(std::move(problem)) {}
 
   /// A new program or object at the next sample.
@@ -189,6 +199,14 @@ bool HasPrograms(const ControllerConfig& config) {
   });
 }
 
+bool HasSlowPrograms(const ControllerConfig& config) {
+  bool has = false;
+  ForEachExternal(config, [&has](std::size_t, const ExternalConfig& external) {
+    has = has || external.library.empty();
+  });
+  return has;
+}
+
 void CheckPrograms(const ControllerConfig& config) {
   ForEachExternal(config, [&config](std::size_t i, const ExternalConfig& external) {
     controller::CheckSettings(external);
@@ -199,13 +217,22 @@ void CheckPrograms(const ControllerConfig& config) {
       FindObject(external);
       return;
     }
-    if (!programs_allowed) {
-      throw controller::SettingError("command",
-                                     fmt::format("is the program {}, which runs only with {}",
-                                                 Shown(external.command), consent_option.load()));
+    const bool is_library = !external.library.empty();
+    if (is_library != external.command.empty()) {
+      throw controller::SettingError(
+          "command", is_library ? "is there beside a library, must be one of both"
+                                : "is missing, must be there unless there is a library");
     }
-    const std::vector<std::filesystem::path> files = FilesOf(FindProgram(external));
-    for (std::size_t k = 1; k < files.size(); ++k) InputFile(files[k]);
+    if (!programs_allowed) {
+      throw controller::SettingError(
+          is_library ? "library" : "command",
+          fmt::format("is the {} {}, which runs only with {}", is_library ? "library" : "program",
+                      Shown(is_library ? external.library : external.command),
+                      consent_option.load()));
+    }
+    const std::vector<std::filesystem::path> files = FilesOf(external);
+    for (std::size_t k = is_library ? 0 : 1; k < files.size(); ++k) InputFile(files[k]);
+    if (is_library) LoadLibrary(external);
   });
 }
 
@@ -223,7 +250,7 @@ std::vector<std::filesystem::path> ProgramFiles(const ControllerConfig& config) 
   ForEachExternal(config, [&files](std::size_t, const ExternalConfig& external) {
     if (NamesObject(external)) return;
     try {
-      std::ranges::copy(FilesOf(FindProgram(external)), std::back_inserter(files));
+      std::ranges::copy(FilesOf(external), std::back_inserter(files));
     } catch (const controller::SettingError&) {  // not on this machine
     }
   });
@@ -239,7 +266,7 @@ std::string HashOfPrograms(const ControllerConfig& config) {
       hash.Add(FindObject(external)->identity);
       return;
     }
-    for (const std::filesystem::path& file : FilesOf(FindProgram(external))) {
+    for (const std::filesystem::path& file : FilesOf(external)) {
       hash.Add(HashSince(file));
     }
   });

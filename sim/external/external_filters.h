@@ -17,11 +17,15 @@ void AllowPrograms(bool allowed = true);
 /// The consent as messages call it, in place of --allow-programs. `option` lives for ever.
 void NameConsent(const char* option);
 
-/// True if the controller has a filter that is a program, or an object (own_objects.h).
+/// True if the controller has a filter that is a program, a library, or an object (own_objects.h).
 bool HasPrograms(const controller::ControllerConfig& config);
 
-/// Finds what is wrong with the programs and objects of a controller, and starts none.
-/// Errors: SettingError `filter[i].command` without the consent, and for one that is not there.
+/// True if one of them is no shared library: it has no place in real time.
+bool HasSlowPrograms(const controller::ControllerConfig& config);
+
+/// Finds what is wrong with the programs, libraries and objects of a controller; loads libraries,
+/// and starts no program. Errors: SettingError `filter[i].command` or `.library` without the
+/// consent, for one that is not there, and for a library that is no filter.
 void CheckPrograms(const controller::ControllerConfig& config);
 /// The controller with `none` in their place.
 controller::ControllerConfig WithoutPrograms(controller::ControllerConfig config);

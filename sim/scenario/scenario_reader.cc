@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <map>
 #include <variant>
@@ -101,8 +102,11 @@ void PlacePrograms(const YamlSource& source, Scenario& scenario) {
       auto* external = std::get_if<controller::ExternalConfig>(&named.config.filters[i].settings);
       if (external == nullptr || NamesObject(*external) || !external->folder.empty()) continue;
       const std::string filter = fmt::format("controllers.{}.filter", named.name);
-      const bool is_set = source.OverrideOf(filter + ".command") != nullptr ||
-                          source.OverrideOf(fmt::format("{}[{}].command", filter, i)) != nullptr;
+      const bool is_set =
+          std::ranges::any_of(std::array{".command", ".library"}, [&](const char* key) {
+            return source.OverrideOf(filter + key) != nullptr ||
+                   source.OverrideOf(fmt::format("{}[{}]{}", filter, i, key)) != nullptr;
+          });
       const std::filesystem::path folder =
           is_set ? std::filesystem::path() : source.FileOf(filter).parent_path();
       external->folder = (std::filesystem::current_path() / folder).lexically_normal();

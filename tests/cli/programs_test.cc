@@ -239,6 +239,66 @@ TEST_F(Programs, ThatDoNotReadAreNoticed) {
   EXPECT_THAT(silent.standard_error, HasSubstr("at sample 1: did not answer within 300 ms"));
 }
 
+TEST_F(Programs, AsASharedLibraryGiveTheBytesOfOurs) {
+  fs::copy_file(GAUNTLET_ODD_FILTER, In("odd.so"));
+  PutScenario(
+      "  ours: {filter: {kind: exponential, alpha: 0.1}}\n"
+      "  mine: {filter: {kind: external, library: ./odd.so, parameters: {alpha: 0.1}}}\n"
+      "  other: {filter: {kind: external, library: ./odd.so, parameters: {alpha: 0.2}}}\n",
+      0.6);
+  const ProgramResult refused = Gauntlet({"run", "s.yaml"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.standard_error,
+              HasSubstr("library: is the library ./odd.so, which runs only with --allow-programs"));
+  ASSERT_EQ(Gauntlet({"run", "s.yaml", "--allow-programs"}).exit_code, 0);
+  EXPECT_EQ(Scores("out/s", 1), Scores("out/s", 0));
+  EXPECT_NE(Scores("out/s", 2), Scores("out/s", 0));
+  const ProgramResult exported = Gauntlet({"export", "out/s", "--controller", "mine"});
+  EXPECT_EQ(exported.exit_code, 2);
+  // In real time, too: the same samples, and what they give.
+  const ProgramResult live =
+      Gauntlet({"live", "s.yaml", "--controller", "mine", "--shadow", "ours", "--allow-programs"});
+  EXPECT_EQ(live.exit_code, 0) << live.standard_error;
+  const auto of = nlohmann::json::parse(ReadFile(In("out/s_live/live.json")))["controllers"];
+  for (const char* metric : {"jitter_rms_deg", "tracking_rmse_deg", "delay_ms"}) {
+    EXPECT_EQ(of[0][metric], of[1][metric]) << metric;
+  }
+}
+
+TEST_F(Programs, AsASharedLibraryThatFailsCostTheirOwnTrialsOnly) {
+  fs::copy_file(GAUNTLET_ODD_FILTER, In("odd.so"));
+  PutScenario(
+      "  none: {filter: none}\n"
+      "  fails: {filter: {kind: external, library: ./odd.so, parameters: {fail_at: 7}}}\n"
+      "  nan: {filter: {kind: external, library: ./odd.so, parameters: {nan_at: 9}}}\n",
+      0.2);
+  const ProgramResult result = Gauntlet({"run", "s.yaml", "--allow-programs"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.standard_error,
+              AllOf(HasSubstr("./odd.so: at sample 7: returned 3, must be 0"),
+                    HasSubstr("./odd.so: at sample 9: returned a value that is not finite")));
+  EXPECT_GT(Scores("out/s", 0)["summary"]["tracking_rmse_deg"], 0.0);
+  const ProgramResult live =
+      Gauntlet({"live", "s.yaml", "--controller", "fails", "--allow-programs"});
+  EXPECT_EQ(live.exit_code, 1);
+  EXPECT_THAT(live.standard_error,
+              HasSubstr("fails: ./odd.so: at sample 7: returned 3, must be 0; from there on"));
+
+  Put("text.so", "no library\n");
+  for (const auto& [filter, problem] : std::vector<std::pair<std::string, std::string>>{
+           {"library: ./odd.so, parameters: {alpha: -1}", "library: refuses: alpha must be"},
+           {"library: ./none.so", "none.so: no such file"},
+           {"library: ./text.so", "text.so"},
+           {"library: /lib/x86_64-linux-gnu/libm.so.6", "has no function gauntlet_filter_1()"},
+           {"library: ./odd.so, command: cat", "command: is there beside a library"}}) {
+    if (problem.starts_with("has no") && !fs::exists("/lib/x86_64-linux-gnu/libm.so.6")) continue;
+    PutScenario("  mine: {filter: {kind: external, " + filter + "}}\n");
+    const ProgramResult mistake = Gauntlet({"run", "s.yaml", "--allow-programs", "--out", "m"});
+    EXPECT_EQ(mistake.exit_code, 2) << filter << mistake.standard_error;
+    EXPECT_THAT(mistake.standard_error, AllOf(HasSubstr("mine"), HasSubstr(problem))) << filter;
+  }
+}
+
 TEST_F(Programs, ThatAreNotThereAreMistakes) {
   const auto refusal = [&](const std::string& filter) {
     PutScenario("  mine: {filter: {kind: external, " + filter + "}}\n");
