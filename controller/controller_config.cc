@@ -7,11 +7,34 @@
 #include <string>
 #include <string_view>
 
+#include "controller/one_for_each.h"
+
 namespace gauntlet::controller {
 
 namespace {
 
 constexpr double kMostCounts = 1e9;
+
+constexpr Setting kFullScaleCounts = {
+    "full_scale_counts", "largest value of the converter, one for all channels or one for each",
+    -kMostCounts, kMostCounts};
+constexpr Setting kMinCounts = {
+    "min_counts",
+    "smallest value of the converter, below 0 if it is signed, one for all channels or one for "
+    "each",
+    -kMostCounts, kMostCounts};
+
+/// One value for each channel. Errors: SettingError for another number of values, or one outside.
+std::vector<double> OfEachChannel(const Setting& setting, const std::vector<double>& values,
+                                  int channel_count) {
+  const std::string key = "calibration." + std::string(setting.key);
+  const Eigen::ArrayXd each = OneForEach("channel", channel_count, key, values);
+  for (const double value : each) {
+    const std::string problem = RangeProblem(setting, value);
+    if (!problem.empty()) throw SettingError(key, problem);
+  }
+  return {each.begin(), each.end()};
+}
 
 /// A table: a group with a row of settings for each of these names, so that no value can end up
 /// with the wrong one.
@@ -72,17 +95,35 @@ void VisitCoupling(SettingsVisitor& visitor, TendonTransmission& hand) {
 
 }  // namespace
 
+std::vector<ConverterRange> ConvertersOf(const GloveCalibration& glove) {
+  const std::size_t count = glove.low_counts.size();
+  const auto channels = static_cast<int>(count);
+  const std::vector<double> least = OfEachChannel(kMinCounts, glove.min_counts, channels);
+  const std::vector<double> most =
+      OfEachChannel(kFullScaleCounts, glove.full_scale_counts, channels);
+  std::vector<ConverterRange> converters;
+  for (std::size_t i = 0; i < count; ++i) {
+    converters.push_back({.min_counts = least[i], .full_scale_counts = most[i]});
+    if (least[i] < most[i]) continue;
+    const bool named = i < glove.channel_names.size();
+    throw SettingError("calibration.full_scale_counts",
+                       "is " + NumberText(most[i]) + " for channel " +
+                           (named ? glove.channel_names[i] : std::to_string(i)) +
+                           ", must be above its min_counts, " + NumberText(least[i]) +
+                           ", and at most " + NumberText(kMostCounts));
+  }
+  return converters;
+}
+
 void GloveCalibration::Visit(SettingsVisitor& visitor) {
   visitor.Texts({.key = "channel_names",
                  .help = "channels of the glove, in the order of a sample",
                  .required = true},
                 channel_names);
-  visitor.Number({.key = "full_scale_counts",
-                  .help = "largest value of the converter",
-                  .min = 0,
-                  .max = kMostCounts,
-                  .open_range = true},
-                 full_scale_counts);
+  VisitOneForEach(visitor, kFullScaleCounts, full_scale_counts);
+  if (visitor.ShowsOptional(kMinCounts, min_counts != std::vector{0.0})) {
+    VisitOneForEach(visitor, kMinCounts, min_counts);
+  }
   visitor.Integer({"frame_number_bits",
                    "width of the frames' numbers, which begin anew behind it; 64 if they never do",
                    kLeastFrameNumberBits, kMostFrameNumberBits},

@@ -26,20 +26,25 @@ inline constexpr int kMostFrameNumberBits = 64;
 ///     angle_rad = low_angle_rad + (counts - low_counts) (high_angle_rad - low_angle_rad)
 ///                                                      / (high_counts - low_counts)
 ///
-/// Shapes: one value per channel. Errors: names that appear twice, poses outside the converter's
-/// range or too near each other.
+/// Shapes: one value per channel; of the converter's range also one for all. Errors: names that
+/// appear twice, a range that is empty, poses outside it or too near each other.
 struct GAUNTLET_API GloveCalibration {
   std::vector<std::string> channel_names;
   std::vector<double> low_counts;
   std::vector<double> high_counts;
   std::vector<double> low_angle_rad;
   std::vector<double> high_angle_rad;
-  double full_scale_counts = 1023.0;
+  std::vector<double> full_scale_counts = {1023.0};  // largest value of the converter
+  std::vector<double> min_counts = {0.0};            // smallest one: below 0 if it is signed
   /// Width of the frames' numbers: behind 2^bits - 1 comes 0. 64 if they never begin anew.
   int frame_number_bits = kMostFrameNumberBits;
 
   void Visit(SettingsVisitor& visitor);
 };
+
+/// The converter of each channel. Errors: SettingError for a range that is empty or not finite, or
+/// lists of another length.
+GAUNTLET_API std::vector<ConverterRange> ConvertersOf(const GloveCalibration& glove);
 
 /// What is known of the hand: how spools wind cables when joints turn.
 ///

@@ -16,9 +16,6 @@ const ControllerConfig& Checked(const RobotConfig& robot, const ControllerConfig
   CheckSettings(config);
   WithinSetting("timing", [&] { CheckSettings(robot.timing); });
   const GloveCalibration& glove = robot.glove;
-  if (!(glove.full_scale_counts > 0.0) || !std::isfinite(glove.full_scale_counts)) {
-    throw SettingError("calibration.full_scale_counts", "must be finite and above 0");
-  }
   if (glove.frame_number_bits < kLeastFrameNumberBits ||
       glove.frame_number_bits > kMostFrameNumberBits) {
     throw SettingError("calibration.frame_number_bits",
@@ -33,6 +30,7 @@ const ControllerConfig& Checked(const RobotConfig& robot, const ControllerConfig
                                           std::to_string(glove.low_counts.size()) +
                                           " poses, must have one for each");
   }
+  ConvertersOf(glove);
   return config;
 }
 
@@ -59,7 +57,7 @@ Controller::State::State(const RobotConfig& connected_to, const ControllerConfig
                                                 connected_to.glove.channel_names,
                                                 connected_to.hand);
                               })),
-      guard(config.untrusted, connected_to.glove.low_counts, connected_to.glove.full_scale_counts,
+      guard(config.untrusted, connected_to.glove.low_counts, ConvertersOf(connected_to.glove),
             connected_to.timing.sample_rate_hz(), connected_to.glove.frame_number_bits),
       watch(config.untrusted, connected_to.timing, joint_map.channel_count()),
       tendon_map(connected_to.hand, config.coupling_compensation),

@@ -32,7 +32,8 @@ struct Channels {
   double* good;
 };
 struct Limits {
-  double full_scale, jump, stuck;
+  const double *least, *most, *jump;
+  double stuck;
 };
 
 /// Fast path: `good` is 1 for channels whose value is inside the converter's range, near the last
@@ -40,7 +41,7 @@ struct Limits {
 GAUNTLET_VECTORISED bool TakeIfAllGood(const double* counts, const Channels& channels,
                                        const Limits& limits, int channel_count) {
   const auto [trusted, raw, same, confirmed, seen, good] = channels;
-  const auto [full_scale, jump, stuck] = limits;
+  const auto [least, most, jump, stuck] = limits;
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     const double z = counts[i];
@@ -49,9 +50,12 @@ GAUNTLET_VECTORISED bool TakeIfAllGood(const double* counts, const Channels& cha
     // One conditional per line on values that were read: the compiler vectorises no other form.
     const double again = z == raw[i] ? 1.0 : 0.0;
     const double samples = again * (same[i] + 1.0);
-    const double above = z > 0.0 ? known : 0.0;
-    const double inside = z < full_scale ? above : 0.0;
-    const double near = std::abs(z - last) <= jump ? inside : 0.0;
+    const double low = least[i];
+    const double high = most[i];
+    const double step = jump[i];
+    const double above = z > low ? known : 0.0;
+    const double inside = z < high ? above : 0.0;
+    const double near = std::abs(z - last) <= step ? inside : 0.0;
     good[i] = samples < stuck ? near : 0.0;
   }
   constexpr auto kYes = std::bit_cast<std::uint64_t>(1.0);
@@ -73,15 +77,16 @@ GAUNTLET_VECTORISED bool TakeIfAllGood(const double* counts, const Channels& cha
 }  // namespace
 
 void SampleGuardConfig::Visit(SettingsVisitor& visitor) {
-  visitor.Flag(
-      {"full_scale", "do not trust values at 0 or at full scale (broken wire, short circuit)"},
-      full_scale);
+  visitor.Flag({"full_scale",
+                "do not trust values at either end of the converter (broken wire, short circuit)"},
+               full_scale);
   visitor.Number(
       {"stuck_after_ms", "a value unchanged for so long counts as stuck; 0 is never", 0, 1e6},
       stuck_after_ms);
   visitor.Number(
       {"jump_share",
-       "a change between two samples by more than this share of full scale is a jump; 0 is never",
+       "a change between two samples by more than this share of the converter's range is a jump; 0 "
+       "is never",
        0, 1},
       jump_share);
   visitor.Number(
@@ -101,19 +106,26 @@ void SampleGuardConfig::Visit(SettingsVisitor& visitor) {
 }
 
 SampleGuard::SampleGuard(const SampleGuardConfig& config, std::span<const double> start_counts,
-                         double full_scale_counts, double rate_hz, int frame_number_bits)
+                         std::span<const ConverterRange> converters, double rate_hz,
+                         int frame_number_bits)
     : refuse_full_scale_(config.full_scale),
       stuck_samples_(config.stuck_after_ms > 0.0 ? SamplesOf(config.stuck_after_ms, rate_hz)
                                                  : kNever),
-      jump_counts_(config.jump_share > 0.0 ? config.jump_share * full_scale_counts : kNever),
       confirm_samples_(SamplesOf(config.jump_confirm_ms, rate_hz)),
-      full_scale_counts_(full_scale_counts),
       frame_number_bits_(frame_number_bits),
+      limits_(kLimits, static_cast<int>(start_counts.size())),
       values_(kValues, static_cast<int>(start_counts.size())),
       held_(start_counts.size()),
       untrusted_samples_(start_counts.size()) {
-  GAUNTLET_ASSERT(full_scale_counts > 0.0 && rate_hz > 0.0);
+  GAUNTLET_ASSERT(converters.size() == start_counts.size() && rate_hz > 0.0);
   GAUNTLET_ASSERT(1 <= frame_number_bits && frame_number_bits <= 64);
+  for (std::size_t i = 0; i < converters.size(); ++i) {
+    const double span_counts = converters[i].span_counts();
+    GAUNTLET_ASSERT(span_counts > 0.0);
+    limits_[kLeast][i] = converters[i].min_counts;
+    limits_[kMost][i] = converters[i].full_scale_counts;
+    limits_[kJump][i] = config.jump_share > 0.0 ? config.jump_share * span_counts : kNever;
+  }
   for (auto& counts : untrusted_by_kind_) counts.resize(start_counts.size());
   Reset(start_counts);
 }
@@ -151,8 +163,10 @@ bool SampleGuard::TakeTrusted(const GloveSample& sample, bool stale) noexcept {
                              .confirmed = values_[kConfirmed],
                              .seen = values_[kSeen],
                              .good = values_[kGood]};
-  const Limits limits = {
-      .full_scale = full_scale_counts_, .jump = jump_counts_, .stuck = stuck_samples_};
+  const Limits limits = {.least = limits_[kLeast],
+                         .most = limits_[kMost],
+                         .jump = limits_[kJump],
+                         .stuck = stuck_samples_};
   return TakeIfAllGood(sample.counts.data(), channels, limits, values_.channel_count());
 }
 
@@ -166,11 +180,12 @@ void SampleGuard::Refuse(int channel, Untrusted kind) noexcept {
 bool SampleGuard::IsJump(int channel, double counts) noexcept {
   double& confirmed = values_[kConfirmed][channel];
   double& candidate = values_[kCandidate][channel];
-  if (std::abs(counts - values_[kTrusted][channel]) <= jump_counts_) {
+  const double jump_counts = limits_[kJump][channel];
+  if (std::abs(counts - values_[kTrusted][channel]) <= jump_counts) {
     confirmed = 0.0;
     return false;
   }
-  const bool stays = confirmed > 0.0 && std::abs(counts - candidate) <= jump_counts_;
+  const bool stays = confirmed > 0.0 && std::abs(counts - candidate) <= jump_counts;
   candidate = counts;
   confirmed = stays ? confirmed + 1.0 : 1.0;
   return confirmed <= confirm_samples_;
@@ -197,10 +212,9 @@ void SampleGuard::TakeDoubtful(int channel, const GloveSample& sample, bool stal
   if (std::isnan(counts)) return Refuse(channel, Untrusted::kMissing);
   if (stale) return Refuse(channel, Untrusted::kStale);
   if (std::isinf(counts)) return Refuse(channel, Untrusted::kInfinite);
-  if (counts < 0.0 || counts > full_scale_counts_) return Refuse(channel, Untrusted::kOutOfRange);
-  if (refuse_full_scale_ && (counts == 0.0 || counts == full_scale_counts_)) {
-    return Refuse(channel, Untrusted::kFullScale);
-  }
+  const ConverterRange range = converter(index);
+  if (!range.Contains(counts)) return Refuse(channel, Untrusted::kOutOfRange);
+  if (refuse_full_scale_ && range.IsEnd(counts)) return Refuse(channel, Untrusted::kFullScale);
   if (IsJump(channel, counts)) return Refuse(channel, Untrusted::kJumped);
   double& same = values_[kSame][channel];
   same = counts == values_[kRaw][channel] ? std::min(same + 1.0, stuck_samples_) : 0.0;
@@ -210,15 +224,16 @@ void SampleGuard::TakeDoubtful(int channel, const GloveSample& sample, bool stal
   values_[kTrusted][channel] = counts;
 }
 
-double SampleGuard::StartAt(double counts) const noexcept {
-  return std::clamp(counts, 0.0, full_scale_counts_);
+double SampleGuard::StartAt(std::size_t channel, double counts) const noexcept {
+  const ConverterRange range = converter(channel);
+  return std::clamp(counts, range.min_counts, range.full_scale_counts);
 }
 
 void SampleGuard::Reset(std::span<const double> start_counts) noexcept {
   GAUNTLET_ASSERT(start_counts.size() == untrusted_samples_.size());
   values_.SetZero();
   for (std::size_t i = 0; i < untrusted_samples_.size(); ++i) {
-    values_[kTrusted][i] = StartAt(start_counts[i]);
+    values_[kTrusted][i] = StartAt(i, start_counts[i]);
     values_[kRaw][i] = kNaN;  // like a missing value
   }
   last_number_.reset();
@@ -240,7 +255,7 @@ void SampleGuard::TakeMemory(SampleGuard& from, std::span<const double> start_co
   std::swap(untrusted_samples_, from.untrusted_samples_);
   std::swap(untrusted_by_kind_, from.untrusted_by_kind_);
   for (std::size_t i = 0; i < untrusted_samples_.size(); ++i) {
-    if (values_[kSeen][i] == 0.0) values_[kTrusted][i] = StartAt(start_counts[i]);
+    if (values_[kSeen][i] == 0.0) values_[kTrusted][i] = StartAt(i, start_counts[i]);
   }
 }
 

@@ -24,10 +24,11 @@ namespace gauntlet::controller {
 /// Units: counts. Shapes: one value per channel.
 class SampleGuard {
  public:
-  /// `start_counts`: value of a channel before its first good value. Frames are counted modulo
-  /// 2^frame_number_bits.
+  /// `start_counts`: value of a channel before its first good value. `converters`: of each channel.
+  /// Frames are counted modulo 2^frame_number_bits.
   SampleGuard(const SampleGuardConfig& config, std::span<const double> start_counts,
-              double full_scale_counts, double rate_hz, int frame_number_bits = 64);
+              std::span<const ConverterRange> converters, double rate_hz,
+              int frame_number_bits = 64);
 
   /// Takes a sample; trusted_counts() is up to date afterwards.
   /// Calls first_good(channel) for a channel whose first good value this is.
@@ -67,6 +68,10 @@ class SampleGuard {
   /// scratch of TakeTrusted().
   enum Value { kTrusted, kRaw, kSame, kCandidate, kConfirmed, kSeen, kGood, kValues };
 
+  /// Settings per channel: ends of the converter's range; the largest change between two samples,
+  /// infinite if that is not checked.
+  enum Limit { kLeast, kMost, kJump, kLimits };
+
   /// True if frame number `number` is ahead of `of` on the circle of numbers.
   bool IsAhead(std::int64_t number, std::int64_t of) const noexcept;
   bool IsStale(const GloveSample& sample) noexcept;
@@ -75,14 +80,16 @@ class SampleGuard {
   void TakeDoubtful(int channel, const GloveSample& sample, bool stale) noexcept;
   bool IsJump(int channel, double counts) noexcept;
   void Refuse(int channel, Untrusted kind) noexcept;
-  double StartAt(double counts) const noexcept;
+  double StartAt(std::size_t channel, double counts) const noexcept;
+  ConverterRange converter(std::size_t channel) const noexcept {
+    return {limits_[kLeast][channel], limits_[kMost][channel]};
+  }
 
   bool refuse_full_scale_;
   double stuck_samples_;  // infinite: disabled
-  double jump_counts_;    // infinite: disabled
   double confirm_samples_;
-  double full_scale_counts_;
   int frame_number_bits_;
+  ChannelArrays limits_;
   ChannelArrays values_;
   std::optional<std::int64_t> last_number_;
   std::int64_t stale_number_ = 0;  // of the last stale frame, and number of rising ones

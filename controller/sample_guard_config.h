@@ -21,11 +21,24 @@ struct GAUNTLET_API GloveSample {
   std::optional<std::int64_t> number = {};
 };
 
+/// The smallest and the largest value of a channel's converter [counts]. `min_counts` is negative
+/// for a signed one.
+struct GAUNTLET_API ConverterRange {
+  double min_counts = 0.0;
+  double full_scale_counts = 1023.0;
+
+  double span_counts() const { return full_scale_counts - min_counts; }
+  bool Contains(double counts) const { return min_counts <= counts && counts <= full_scale_counts; }
+  bool IsEnd(double counts) const { return counts == min_counts || counts == full_scale_counts; }
+
+  bool operator==(const ConverterRange&) const = default;
+};
+
 /// Reason why a value is not trusted.
 enum class Untrusted {
   kMissing,     // NaN, no value, or a sample that was due and did not come
   kInfinite,    // plus or minus infinity
-  kOutOfRange,  // below 0 or above full scale: impossible for the converter
+  kOutOfRange,  // below or above what the converter can give
   kFullScale,   // at an end of the converter: a broken wire or a short circuit
   kStuck,       // unchanged for too long
   kJumped,      // further from the last good value than a joint can move, not confirmed

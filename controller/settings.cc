@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <iterator>
 
+#include "controller/number.h"
+
 namespace gauntlet::controller {
 namespace {
 
@@ -88,6 +90,14 @@ void SettingsVisitor::NamedNumbers(const Setting& setting, std::vector<NamedNumb
       inner.Number({.key = number.name, .help = "as named"}, number.value);
     }
   });
+}
+
+void VisitOneForEach(SettingsVisitor& visitor, const Setting& setting,
+                     std::vector<double>& values) {
+  if (visitor.ShowsList(setting, values.size() != 1)) return visitor.Numbers(setting, values);
+  double one = values.size() == 1 ? values[0] : kNaN;
+  visitor.Number(setting, one);
+  if (!std::isnan(one)) values = {one};  // else a reader whose file has none: the list stays
 }
 
 std::string NumberText(double value) {

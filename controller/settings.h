@@ -136,6 +136,10 @@ void VisitGroup(SettingsVisitor& visitor, const Setting& setting, Config& config
   visitor.Group(setting, [&config](SettingsVisitor& inner) { config.Visit(inner); });
 }
 
+/// One number for all, or a list with one for each: a single one is shown as a number.
+GAUNTLET_API void VisitOneForEach(SettingsVisitor& visitor, const Setting& setting,
+                                  std::vector<double>& values);
+
 /// A setting that is absent unless a file has it; then writers leave it out, too. `show` shows the
 /// value.
 template <class Value, class Show>

@@ -64,7 +64,7 @@ static_assert(static_cast<int>(gc::Untrusted::kMissing) == GAUNTLET_UNTRUSTED_MI
 bool SameConnections(const gc::RobotConfig& a, const gc::RobotConfig& b) {
   const auto glove = [](const gc::GloveCalibration& g) {
     return std::tie(g.channel_names, g.low_counts, g.high_counts, g.low_angle_rad, g.high_angle_rad,
-                    g.full_scale_counts, g.frame_number_bits);
+                    g.frame_number_bits);
   };
   const auto hand = [](const gc::TendonTransmission& h) {
     return std::tie(h.joint_names, h.motor_names, h.coupling, h.motor_of_joint,
@@ -78,7 +78,8 @@ bool SameConnections(const gc::RobotConfig& a, const gc::RobotConfig& b) {
     return std::tie(s.joint, s.channels, s.weights, s.offset_deg) ==
            std::tie(t.joint, t.channels, t.weights, t.offset_deg);
   };
-  return glove(a.glove) == glove(b.glove) && hand(a.hand) == hand(b.hand) &&
+  return glove(a.glove) == glove(b.glove) &&
+         gc::ConvertersOf(a.glove) == gc::ConvertersOf(b.glove) && hand(a.hand) == hand(b.hand) &&
          clocks(a.timing) == clocks(b.timing) &&
          std::ranges::equal(a.joint_map.joints, b.joint_map.joints, same_source);
 }

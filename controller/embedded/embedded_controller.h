@@ -14,9 +14,10 @@ namespace gauntlet::embedded {
 template <std::size_t Channels, std::size_t Joints, std::size_t Motors, std::size_t Corners>
 struct Settings {
   // Which samples are trusted, as SampleGuard does.
-  float full_scale_counts;
+  float min_counts[Channels];  // of the converter
+  float full_scale_counts[Channels];
   bool trust_full_scale;
-  float jump_counts;
+  float jump_counts[Channels];
   std::uint32_t jump_confirm_samples;
   std::uint32_t stuck_samples;
   float start_counts[Channels];  // of a channel that decides no joint
@@ -86,7 +87,7 @@ class Controller {
     for (std::size_t i = 0; i < Channels; ++i) {
       channels_[i] = Channel{};
       channels_[i].trusted = StartCounts(i);
-      channels_[i].raw = -1.0F;
+      channels_[i].raw = settings_.min_counts[i] - 2.0F;  // no sample: out of range
       Start(i);
     }
     for (std::size_t i = 0; i < Motors; ++i) {
@@ -138,7 +139,7 @@ class Controller {
   /// A sample that can be trusted; `start` if it is the first one.
   void Take(std::size_t i, float counts) noexcept {
     Channel& channel = channels_[i];
-    if (!IsTrusted(channel, counts)) {
+    if (!IsTrusted(i, counts)) {
       ++channel.untrusted;
       return;
     }
@@ -147,15 +148,18 @@ class Controller {
     channel.seen = true;
     Start(i);
   }
-  bool IsTrusted(Channel& channel, float counts) const noexcept {
-    const bool inside = counts > 0.0F && counts < settings_.full_scale_counts;
-    const bool at_end = counts == 0.0F || counts == settings_.full_scale_counts;
+  bool IsTrusted(std::size_t i, float counts) noexcept {
+    Channel& channel = channels_[i];
+    const float least = settings_.min_counts[i];
+    const float most = settings_.full_scale_counts[i];
+    const float jump = settings_.jump_counts[i];
+    const bool inside = counts > least && counts < most;
+    const bool at_end = counts == least || counts == most;
     if (!inside && !(at_end && settings_.trust_full_scale)) return false;
-    if (Distance(counts, channel.trusted) <= settings_.jump_counts) {
+    if (Distance(counts, channel.trusted) <= jump) {
       channel.confirmed = 0;
     } else {
-      const bool stays =
-          channel.confirmed > 0 && Distance(counts, channel.candidate) <= settings_.jump_counts;
+      const bool stays = channel.confirmed > 0 && Distance(counts, channel.candidate) <= jump;
       channel.candidate = counts;
       channel.confirmed = stays ? channel.confirmed + 1 : 1;
       if (channel.confirmed <= settings_.jump_confirm_samples) return false;
@@ -193,7 +197,7 @@ class Controller {
     const auto j = static_cast<std::size_t>(settings_.joint_of_channel[i]);
     const float angle_rad =
         (joint_rad_[j] - settings_.joint_offset_rad[j]) / settings_.joint_weight[j][i];
-    return Clamp(CountsOf(i, angle_rad), 0.0F, settings_.full_scale_counts);
+    return Clamp(CountsOf(i, angle_rad), settings_.min_counts[i], settings_.full_scale_counts[i]);
   }
 
   /// What the filter sees.

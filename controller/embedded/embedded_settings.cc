@@ -86,7 +86,8 @@ class Builder {
       : robot_(robot),
         config_(robot.controller),
         channels_(robot.glove.channel_names.size()),
-        checked_(robot) {}
+        checked_(robot),
+        converters_(ConvertersOf(robot.glove)) {}
 
   EmbeddedSettings Build() {
     AddGuard();
@@ -100,6 +101,7 @@ class Builder {
  private:
   static constexpr double kNever = std::numeric_limits<std::uint32_t>::max();
   static constexpr double kNoLimit = 1e30;
+  static constexpr int kMost = 1 << 24;  // whole numbers beyond have no value of their own in float
 
   void Add(std::string_view name, double value, EmbeddedValue::Type type) {
     settings_.values.push_back({.name = name, .type = type, .values = {value}});
@@ -124,11 +126,18 @@ class Builder {
     if (guard.lost_after_ms > 0.0) {
       Refuse("untrusted.lost_after_ms", "is " + NumberText(guard.lost_after_ms) + ", must be 0");
     }
-    const double full_scale = robot_.glove.full_scale_counts;
-    Add("full_scale_counts", full_scale, EmbeddedValue::kFloat);
+    std::vector<double> least, most, jump;
+    for (std::size_t i = 0; i < channels_; ++i) {
+      const ConverterRange& range = converters_[i];
+      CheckConverter(i);
+      least.push_back(range.min_counts);
+      most.push_back(range.full_scale_counts);
+      jump.push_back(guard.jump_share > 0.0 ? guard.jump_share * range.span_counts() : kNoLimit);
+    }
+    AddList("min_counts", least);
+    AddList("full_scale_counts", most);
     Add("trust_full_scale", guard.full_scale ? 0.0 : 1.0, EmbeddedValue::kFlag);
-    Add("jump_counts", guard.jump_share > 0.0 ? guard.jump_share * full_scale : kNoLimit,
-        EmbeddedValue::kFloat);
+    AddList("jump_counts", jump);
     Add("jump_confirm_samples", SamplesOf(guard.jump_confirm_ms), EmbeddedValue::kInteger);
     Add("stuck_samples", guard.stuck_after_ms > 0.0 ? SamplesOf(guard.stuck_after_ms) : kNever,
         EmbeddedValue::kInteger);
@@ -139,8 +148,9 @@ class Builder {
     const std::span<const double> start_rad = checked_.linearised_angle_rad();
     std::vector<double> start_counts(channels_);
     line->ToCounts(start_rad, start_counts);
-    for (double& counts : start_counts) {
-      counts = std::clamp(counts, 0.0, robot_.glove.full_scale_counts);
+    for (std::size_t i = 0; i < channels_; ++i) {
+      start_counts[i] =
+          std::clamp(start_counts[i], converters_[i].min_counts, converters_[i].full_scale_counts);
     }
     AddList("start_counts", start_counts);
 
@@ -206,9 +216,17 @@ class Builder {
     AddList("joint_max_rad", robot_.hand.joint_max_rad);
     AddList("joint_reference_rad", robot_.hand.reference_angle_rad);
   }
-  /// Whole numbers beyond have no value of their own in float.
+  void CheckConverter(std::size_t channel) const {
+    const ConverterRange& range = converters_[channel];
+    const bool fits = range.min_counts >= -kMost;
+    if (fits && range.full_scale_counts <= kMost) return;
+    throw SettingError(fits ? "calibration.full_scale_counts" : "calibration.min_counts",
+                       "channel " + robot_.glove.channel_names[channel] + ": is " +
+                           NumberText(fits ? range.full_scale_counts : range.min_counts) +
+                           ", must be from -" + std::to_string(kMost) + " to " +
+                           std::to_string(kMost) + " in the embedded form");
+  }
   void CheckMotorRange() const {
-    constexpr int kMost = 1 << 24;
     const TendonTransmission& hand = robot_.hand;
     for (std::size_t m = 0; m < hand.motor_names.size(); ++m) {
       const int beyond = hand.max_counts[m] > kMost ? hand.max_counts[m] : hand.min_counts[m];
@@ -263,6 +281,7 @@ class Builder {
   const ControllerConfig& config_;
   std::size_t channels_;
   Controller checked_;  // throws for what no controller can be made of
+  std::vector<ConverterRange> converters_;
   EmbeddedSettings settings_;
   std::vector<double> joint_of_channel_;  // -1: none
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "controller/assert.h"
 #include "controller/filters/vectorise.h"
@@ -28,7 +29,8 @@ GAUNTLET_VECTORISED void MapLines(const Lines& lines, const double* from, double
 }
 
 /// Why the two poses of a channel make no line; empty if they do.
-std::string ProblemOfPoses(const GloveCalibration& glove, std::size_t channel) {
+std::string ProblemOfPoses(const GloveCalibration& glove, const ConverterRange& range,
+                           std::size_t channel) {
   const double low = glove.low_counts[channel];
   const double high = glove.high_counts[channel];
   const double turn_rad = glove.high_angle_rad[channel] - glove.low_angle_rad[channel];
@@ -36,13 +38,13 @@ std::string ProblemOfPoses(const GloveCalibration& glove, std::size_t channel) {
     return "the two poses must differ in angle, and be finite";
   }
   for (const double counts : {low, high}) {
-    if (counts >= 0.0 && counts <= glove.full_scale_counts) continue;
+    if (range.Contains(counts)) continue;
     return "a pose is at " + NumberText(counts) +
-           " counts, must be within the converter's range, " + "0 to " +
-           NumberText(glove.full_scale_counts);
+           " counts, must be within the converter's range, " + NumberText(range.min_counts) +
+           " to " + NumberText(range.full_scale_counts);
   }
   // Each pose is known to half a count: that is an error of a tenth in all angles.
-  const double least = std::min(10.0, 0.01 * glove.full_scale_counts);
+  const double least = std::min(10.0, 0.01 * range.span_counts());
   if (std::abs(high - low) >= least) return "";
   return "the two poses are " + NumberText(std::abs(high - low)) +
          " counts apart, must be at least " + NumberText(least) +
@@ -58,9 +60,10 @@ class TwoPointLinearisation final : public Linearisation {
     const Eigen::ArrayXd span_rad = ToArray(calibration.high_angle_rad) - low_angle_rad_;
     rad_per_count_ = span_rad / span_counts;
     counts_per_rad_ = span_counts / span_rad;
+    const std::vector<ConverterRange> converters = ConvertersOf(calibration);
     for (Eigen::Index i = 0; i < low_counts_.size(); ++i) {
       const auto channel = static_cast<std::size_t>(i);
-      const std::string problem = ProblemOfPoses(calibration, channel);
+      const std::string problem = ProblemOfPoses(calibration, converters[channel], channel);
       if (problem.empty()) continue;
       const auto& names = calibration.channel_names;
       const bool named = channel < names.size();

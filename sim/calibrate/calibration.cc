@@ -26,8 +26,8 @@ using Eigen::VectorXd;
 
 /// True at an end of the converter's range, where the sensor is saturated.
 bool IsClipped(const PoseRecording& recording, Index sample, Index channel) {
-  const double counts = recording.counts(sample, channel);
-  return counts == 0.0 || counts == recording.full_scale_counts;
+  return recording.converter(static_cast<std::size_t>(channel))
+      .IsEnd(recording.counts(sample, channel));
 }
 
 /// Samples of one channel at one constant level.
@@ -103,14 +103,16 @@ std::map<double, double> MeanCounts(const Poses& poses) {
 }
 
 /// The reason why no curve can be fitted, in terms of the recording; empty if one can.
-std::string ProblemOf(const PoseRecording& recording, const std::string& channel,
-                      const Poses& poses, CurveKind kind) {
+std::string ProblemOf(const PoseRecording& recording, std::size_t index, const Poses& poses,
+                      CurveKind kind) {
+  const std::string& channel = recording.channel_names[index];
+  const controller::ConverterRange& range = recording.converter(index);
   const std::map<double, double> counts = MeanCounts(poses);
   if (counts.size() < 2) {
     const std::string clipped =
         poses.clipped == 0 ? ""
-                           : fmt::format(" besides {} at 0 or at full scale (--full-scale {:g})",
-                                         poses.clipped, recording.full_scale_counts);
+                           : fmt::format(" besides {} at {:g} or at full scale (--full-scale {:g})",
+                                         poses.clipped, range.min_counts, range.full_scale_counts);
     return fmt::format(
         "has {} pose{}{}, must have at least 2; a pose is a known angle ({}_deg) that stays the "
         "same for more than {:g} ms (--settle-ms; 0 takes angles that never stand still)",
@@ -174,7 +176,7 @@ void FitCurves(const PoseRecording& recording, const CalibrationOptions& options
   for (std::size_t i = 0; i < recording.channel_names.size(); ++i) {
     const Poses poses = PosesOf(recording, i);
     const std::string& name = recording.channel_names[i];
-    const std::string problem = ProblemOf(recording, name, poses, options.curve);
+    const std::string problem = ProblemOf(recording, i, poses, options.curve);
     if (!problem.empty())
       throw UserError({.place = recording.name, .key = name, .problem = problem});
     CurveFit fit;
@@ -241,8 +243,10 @@ std::vector<controller::StillStretch> StretchesInRange(const PoseRecording& reco
   if (stretches.empty()) {
     throw UserError({.place = recording.name,
                      .key = recording.channel_names[at_the_end],
-                     .problem = "is at 0 or at full scale whenever the hand holds still: R cannot "
-                                "be estimated"});
+                     .problem = fmt::format(
+                         "is at {:g} or at full scale whenever the hand holds still: R cannot be "
+                         "estimated",
+                         recording.converter(at_the_end).min_counts)});
   }
   return stretches;
 }

@@ -41,7 +41,7 @@ bool AddChannel(const std::string& name, std::size_t column, PoseColumns& column
     // `target_angle_rad.NAME` and similar columns are other signals of a trace.
     if (pattern.after.empty() && channel.find('.') != std::string::npos) continue;
     (pattern.is_angle ? columns.angles : columns.counts)
-        .push_back({column, channel, pattern.scale});
+        .push_back({.column = column, .channel = channel, .scale = pattern.scale});
     return true;
   }
   return false;
@@ -132,14 +132,7 @@ PoseColumns ColumnsByMap(const FoundTable& table, const std::string& file) {
                            "per channel",
                            channel));
     }
-    const double full_scale = mapping.bits > 0 ? std::ldexp(1.0, mapping.bits) - 1.0 : 0.0;
-    if (!columns.counts.empty() && full_scale != columns.full_scale_counts) {
-      csv.Fail(mapping.column + 1,
-               fmt::format("has other bits than {} in the map, a calibration is of one converter",
-                           columns.counts.front().channel));
-    }
-    columns.full_scale_counts = full_scale;
-    columns.counts.push_back({mapping.column, channel});
+    columns.counts.push_back({.column = mapping.column, .channel = channel, .bits = mapping.bits});
   }
   for (std::size_t column = 0; column < names.size(); ++column) {
     if (used[column]) continue;

@@ -9,11 +9,13 @@
 
 namespace gauntlet::sim {
 
-/// A column with a channel's counts or angle; `scale` converts the angle to degrees.
+/// A column with a channel's counts or angle; `scale` converts the angle to degrees. `bits` of the
+/// counts' converter are those of the map; 0: not given.
 struct ChannelColumn {
   std::size_t column = 0;
   std::string channel;
   double scale = 1.0;
+  int bits = 0;
 };
 
 /// Meaning of the columns of a recording of known poses: see LoadPoseRecording.
@@ -21,7 +23,6 @@ struct PoseColumns {
   std::vector<TimeMapping> time;  // summed; empty: no time column
   std::vector<ChannelColumn> counts;
   std::vector<ChannelColumn> angles;  // in the order of `counts`; empty: no known angles
-  double full_scale_counts = 0.0;     // from the bits of the map; 0: not given
   std::size_t left_out = 0;           // number of other signals of a trace
   std::vector<std::string> unknown;   // names of other ignored columns
 };

@@ -28,6 +28,7 @@ struct BeyondScale {
   std::size_t row = 0;
   std::size_t column = 0;
   double counts = 0.0;
+  controller::ConverterRange converter = {};
 };
 
 /// The rows of the file, with the times of the first and last row.
@@ -94,12 +95,16 @@ void TakeTime(const CsvReader& csv, const PoseColumns& columns, const std::vecto
 }
 
 bool IsBeyondScale(const CsvReader& csv, const PoseColumns& columns,
-                   const std::vector<double>& values, double full_scale_counts, Rows& rows) {
-  for (const ChannelColumn& c : columns.counts) {
-    const double counts = values[c.column];
-    if (counts >= 0.0 && counts <= full_scale_counts) continue;
+                   const std::vector<double>& values, const PoseRecording& recording, Rows& rows) {
+  for (std::size_t i = 0; i < columns.counts.size(); ++i) {
+    const std::size_t column = columns.counts[i].column;
+    if (recording.converter(i).Contains(values[column])) continue;
     if (rows.beyond_scale.rows++ == 0) {
-      rows.beyond_scale = {.rows = 1, .row = csv.row(), .column = c.column, .counts = counts};
+      rows.beyond_scale = {.rows = 1,
+                           .row = csv.row(),
+                           .column = column,
+                           .counts = values[column],
+                           .converter = recording.converter(i)};
     }
     return true;
   }
@@ -107,7 +112,7 @@ bool IsBeyondScale(const CsvReader& csv, const PoseColumns& columns,
 }
 
 /// Refuses the recording if too many rows are outside the range. A few are glitches.
-void RejectAnotherScale(const CsvReader& csv, const Rows& rows, double full_scale_counts) {
+void RejectAnotherScale(const CsvReader& csv, const Rows& rows) {
   constexpr double kMostShare = 0.05;
   const BeyondScale& beyond = rows.beyond_scale;
   if (static_cast<double>(beyond.rows) <=
@@ -116,14 +121,16 @@ void RejectAnotherScale(const CsvReader& csv, const Rows& rows, double full_scal
   }
   csv.FailInRow(
       beyond.row, beyond.column + 1,
-      fmt::format("is {} counts, must be from 0 to the converter's full scale of {} "
-                  "(--full-scale); {} of {} rows have such values",
-                  beyond.counts, full_scale_counts, beyond.rows, beyond.rows + rows.count));
+      fmt::format("is {} counts, must be from {} to the converter's full scale of {} "
+                  "({}); {} of {} rows have such values",
+                  beyond.counts, beyond.converter.min_counts, beyond.converter.full_scale_counts,
+                  beyond.counts < beyond.converter.min_counts ? "--min-counts" : "--full-scale",
+                  beyond.rows, beyond.rows + rows.count));
 }
 
 /// Errors: UserError for times that do not rise, too few rows, or another scale of the counts.
 Rows ReadRows(CsvReader& csv, const PoseColumns& columns, double rate_hz,
-              double full_scale_counts) {
+              const PoseRecording& recording) {
   Rows rows;
   std::size_t last_whole = 0;  // newest row with all counts
   std::vector<double> values(csv.column_count());
@@ -132,7 +139,7 @@ Rows ReadRows(CsvReader& csv, const PoseColumns& columns, double rate_hz,
     TakeTime(csv, columns, values, rows);
     const bool whole = std::ranges::none_of(
         columns.counts, [&](const ChannelColumn& c) { return std::isnan(values[c.column]); });
-    if (!whole || IsBeyondScale(csv, columns, values, full_scale_counts, rows)) continue;
+    if (!whole || IsBeyondScale(csv, columns, values, recording, rows)) continue;
     if (rows.count++ > 0) rows.distances.push_back(row - last_whole);
     last_whole = row;
     rows.time_s.push_back(columns.time.empty() ? row / rate_hz : rows.last_s - rows.first_s);
@@ -141,13 +148,44 @@ Rows ReadRows(CsvReader& csv, const PoseColumns& columns, double rate_hz,
       rows.angle_deg.push_back(values[c.column] * c.scale);
     }
   }
-  RejectAnotherScale(csv, rows, full_scale_counts);
+  RejectAnotherScale(csv, rows);
   if (rows.count < kFewestRows) {
     csv.Fail(1,
              fmt::format("the recording has {} rows without missing counts, must have at least {}",
                          rows.count, kFewestRows));
   }
   return rows;
+}
+
+/// The value of an option for each of `count` channels. Errors: UserError for another number.
+std::vector<double> OfEach(const char* option, const std::vector<double>& values,
+                           std::size_t count) {
+  if (values.size() == 1) return std::vector(count, values[0]);
+  if (values.size() == count) return values;
+  throw UserError({.place = option,
+                   .problem = fmt::format("has {} values, must have 1 for all channels or {}, one "
+                                          "for each column of counts",
+                                          values.size(), count)});
+}
+
+/// The converter of each column of counts. Errors: UserError for an empty range.
+std::vector<controller::ConverterRange> ConvertersIn(const PoseColumns& columns,
+                                                     const PoseRecordingFormat& format) {
+  const std::size_t count = columns.counts.size();
+  const std::vector<double> least = OfEach("--min-counts", format.min_counts, count);
+  const std::vector<double> most = OfEach("--full-scale", format.full_scale_counts, count);
+  std::vector<controller::ConverterRange> converters;
+  for (std::size_t i = 0; i < count; ++i) {
+    const int bits = columns.counts[i].bits;
+    converters.push_back(
+        {.min_counts = least[i],
+         .full_scale_counts = bits > 0 ? least[i] + std::ldexp(1.0, bits) - 1.0 : most[i]});
+    if (converters[i].span_counts() > 0.0) continue;
+    throw UserError(
+        {.place = "--full-scale",
+         .problem = fmt::format("is {:g}, must be above --min-counts, {:g}", most[i], least[i])});
+  }
+  return converters;
 }
 
 /// Reads only the columns in `columns`.
@@ -252,11 +290,10 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
   recording.name = OneLine(file.string());  // as results show it
   recording.columns_left_out = columns.left_out;
   recording.columns_unknown = columns.unknown;
-  recording.full_scale_counts =
-      columns.full_scale_counts > 0.0 ? columns.full_scale_counts : format.full_scale_counts;
+  recording.converters = ConvertersIn(columns, format);
   for (const ChannelColumn& c : columns.counts) recording.channel_names.push_back(c.channel);
   const std::vector<KnownPose> poses = PosesOf(csv, columns, format, recording.channel_names);
-  const Rows rows = ReadRows(csv, columns, format.rate_hz, recording.full_scale_counts);
+  const Rows rows = ReadRows(csv, columns, format.rate_hz, recording);
   const std::size_t rows_per_sample = columns.time.empty() ? 1 : RowsPerSample(rows.distances);
   const std::size_t samples_expected = (rows.count_in_file - 1) / rows_per_sample + 1;
   recording.rows_left_out = std::max(samples_expected, rows.count) - rows.count;

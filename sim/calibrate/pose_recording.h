@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "controller/calibration/still_stretches.h"
+#include "controller/sample_guard_config.h"
 #include "sim/base/signal.h"
 
 namespace gauntlet::sim {
@@ -18,18 +19,23 @@ struct PoseRecording {
   std::string name;  // of the file, for messages
   std::vector<std::string> channel_names;
   double rate_hz = 1000.0;  // of samples; a trace of a slow glove has more rows
-  double full_scale_counts = 1023.0;
+  /// One for all channels, or one for each.
+  std::vector<controller::ConverterRange> converters = {controller::ConverterRange{}};
   double settle_ms = 200.0;  // see PoseRecordingFormat
   Signal counts;             // finite
   /// First sample of each stretch without a gap. A gap is a pause, or rows without a count.
   std::vector<Eigen::Index> stretch_begins;
-  Signal angle_deg;                             // NaN if unknown or not settled
-  std::size_t rows_left_out = 0;                // rows without a count
-  std::size_t rows_beyond_scale = 0;            // ignored too: a count below 0 or above full scale
-  double resolution_counts = 0.0;               // see ResolutionOf
-  std::size_t columns_left_out = 0;             // other signals of a trace
-  std::vector<std::string> columns_unknown;     // ignored too
+  Signal angle_deg;                          // NaN if unknown or not settled
+  std::size_t rows_left_out = 0;             // rows without a count
+  std::size_t rows_beyond_scale = 0;         // ignored too: a count outside the converter's range
+  double resolution_counts = 0.0;            // see ResolutionOf
+  std::size_t columns_left_out = 0;          // other signals of a trace
+  std::vector<std::string> columns_unknown;  // ignored too
   std::vector<controller::StillStretch> still;  // given by the user; empty: to be found
+
+  const controller::ConverterRange& converter(std::size_t channel) const {
+    return converters[converters.size() == 1 ? 0 : channel];
+  }
 };
 
 /// Time interval in seconds since the first row.
@@ -39,8 +45,11 @@ struct TimeStretch {
 };
 
 struct PoseRecordingFormat {
-  double rate_hz = 1000.0;              // of a file without a time column
-  double full_scale_counts = 1023.0;    // of the converter, if the map has no bits
+  double rate_hz = 1000.0;  // of a file without a time column
+  // Of the converter, one for all channels or one for each. Where the map has bits, they decide the
+  // largest value.
+  std::vector<double> full_scale_counts = {1023.0};
+  std::vector<double> min_counts = {0.0};
   std::string array = {};               // of a file with arrays, see ListArrays()
   std::string map = {};                 // column map; empty: columns by their names
   std::string poses = {};               // table of known poses; empty: angles are columns

@@ -60,7 +60,7 @@ controller::GloveCalibration ExactGlove(const std::vector<std::string>& joints) 
           .high_counts = std::vector<double>(joints.size(), kFullScale_counts),
           .low_angle_rad = std::vector<double>(joints.size(), -kMostAngle_rad),
           .high_angle_rad = std::vector<double>(joints.size(), kMostAngle_rad),
-          .full_scale_counts = kFullScale_counts};
+          .full_scale_counts = {kFullScale_counts}};
 }
 
 double CountsOf(double angle_rad) {

@@ -88,9 +88,12 @@ struct CalibrateOptions {
         Option("--rate-hz", &format.rate_hz, {.range = {1.0, 1e6}, .shows_default = true},
                "of a recording without a column of time"),
         Option("--full-scale", &format.full_scale_counts,
-               {.range = {1e-6, 1e9}, .shows_default = true},
-               "of the converter, in counts (or volts), unless the map says its bits; values at "
-               "either end are not used"),
+               {.range = {-1e9, 1e9}, .shows_default = true, .separator = ',', .is_one_word = true},
+               "of the converter, in counts (or volts), unless the map says its bits; one for all "
+               "channels or one for each column; values at either end are not used"),
+        Option("--min-counts", &format.min_counts,
+               {.range = {-1e9, 1e9}, .shows_default = true, .separator = ',', .is_one_word = true},
+               "smallest value of the converter, below 0 for signed counts; one, or one for each"),
     };
   }
 
@@ -159,8 +162,13 @@ void RemarkOnRows(const PoseRecording& recording) {
         recording.rows_left_out);
   }
   if (recording.rows_beyond_scale > 0) {
-    Say("gauntlet: {}: {} rows with a count below 0 or above {:g} left out\n", recording.name,
-        recording.rows_beyond_scale, recording.full_scale_counts);
+    const controller::ConverterRange& first = recording.converters.front();
+    const bool alike = std::ranges::all_of(recording.converters,
+                                           [&](const auto& range) { return range == first; });
+    Say("gauntlet: {}: {} rows with a count {} left out\n", recording.name,
+        recording.rows_beyond_scale,
+        alike ? fmt::format("below {:g} or above {:g}", first.min_counts, first.full_scale_counts)
+              : "outside the range of its converter");
   }
 }
 

@@ -83,7 +83,10 @@ void AddCommand(const Command& command, CLI::App& app) {
 
 constexpr std::size_t kLongestReason = 240;  // so that the hint behind it stays whole
 
-bool IsOption(const std::string& argument) { return argument.size() > 1 && argument[0] == '-'; }
+/// A negative number is a value.
+bool IsOption(const std::string& argument) {
+  return argument.size() > 1 && argument[0] == '-' && !controller::ParseNumber(argument);
+}
 
 /// --seed of --seed=3.
 std::string NameOf(const std::string& option) { return option.substr(0, option.find('=')); }

@@ -308,6 +308,7 @@ void RunLiveCommand(const LiveCommand& command) {
   if (!result.columns_remark.empty()) Say("gauntlet: {}\n", result.columns_remark);
   LiveContext context = ContextOf(command, study, setup);
   context.counts_file = (folder.path() / "counts.csv").string();
+  context.converters = controller::ConvertersOf(study.calibration);
   const bool has_counts = !result.facts.still.empty();
   const LiveRecord record{.setup = &setup, .study = &study, .source = &source};
   if (recording_file) WriteRecording(record, result, *recording_file);

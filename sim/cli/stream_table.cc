@@ -223,7 +223,6 @@ void StreamTable::TakeMap(const StreamHead& head, const std::string& map,
 }
 
 std::vector<std::string> StreamTable::TakeChannels(const ColumnMap& map) {
-  const RecordingFormat nominal;
   std::vector<StreamChannel> parts(KnownChannels().size());
   std::vector<bool> passes(columns_, true);
   for (const ColumnMapping& mapping : map.channels) {
@@ -233,7 +232,7 @@ std::vector<std::string> StreamTable::TakeChannels(const ColumnMap& map) {
            .key = "envelope_ms",
            .problem = "is for recordings; gauntlet filter takes the values as they are"});
     }
-    const ColumnScale scale = ScaleOf(mapping, nominal.low_counts, nominal.high_counts);
+    const ColumnScale scale = ScaleOf(mapping, NominalCounts{});
     parts[mapping.channel].push_back({.column = mapping.column,
                                       .factor = scale.factor * kDegPerRad,
                                       .offset = scale.offset_rad * kDegPerRad,

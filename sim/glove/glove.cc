@@ -18,11 +18,12 @@
 namespace gauntlet::sim {
 namespace {
 
-void ConvertAll(double full_scale_counts, Signal& counts) {
+void ConvertAll(const ConverterConfig& converter, Signal& counts) {
   for (Eigen::Index c = 0; c < counts.cols(); ++c) {
+    const controller::ConverterRange range = converter.range(static_cast<std::size_t>(c));
     // NaN, a missing sample of a recording, passes through.
     for (double& value : counts.col(c)) {
-      if (!std::isnan(value)) value = Convert(value, full_scale_counts);
+      if (!std::isnan(value)) value = Convert(value, range);
     }
     TrimSignals();
   }
@@ -54,9 +55,9 @@ void KeepChannels(const std::vector<int>& indices, GloveSignal& glove) {
 /// is known. Errors: UserError for counts that its converter does not give.
 void PutOwnCounts(const GloveConfig& config, const Motion& motion, Signal& counts) {
   constexpr double kMostBeyond = 0.05;
-  const double full_scale = config.converter.full_scale_counts();
   for (const OwnCalibration& own : config.calibration) {
     const int c = ChannelIndex(own.channel);
+    const auto [least, most] = config.converter.range(static_cast<std::size_t>(c));
     const double slope =
         (own.high_deg - own.low_deg) * kRadPerDeg / (own.high_counts - own.low_counts);
     ColumnScale scale{.factor = slope,
@@ -67,25 +68,26 @@ void PutOwnCounts(const GloveConfig& config, const Motion& motion, Signal& count
     auto column = counts.col(c).array();
     column = (motion.measured_rad.col(c).array() - scale.offset_rad) / scale.factor;
     TrimSignals();
-    const auto beyond = ((column < -0.5) || (column > full_scale + 0.5)).count();
+    const auto beyond = ((column < least - 0.5) || (column > most + 0.5)).count();
     if (static_cast<double>(beyond) <= kMostBeyond * static_cast<double>(counts.rows())) continue;
     throw UserError(
         {.place = motion.recording->name,
          .problem = fmt::format(
-             "{}: {:.0f} % of its counts are outside 0 to {:g}; bits in the "
-             "column map, or glove.converter.bits, must be larger",
-             own.channel, 100.0 * static_cast<double>(beyond) / static_cast<double>(counts.rows()),
-             full_scale)});
+             "{}: {:.0f} % of its counts are outside {:g} to {:g}; {}", own.channel,
+             100.0 * static_cast<double>(beyond) / static_cast<double>(counts.rows()), least, most,
+             (column < least - 0.5).any()
+                 ? "signed counts need glove.converter.min_counts below 0"
+                 : "bits in the column map, or glove.converter.bits, must be larger")});
   }
 }
 
 /// The analog signal of all channels before noise, at every tick [counts].
 Signal Sense(const GloveConfig& config, const Motion& motion, const Signal& tremor_rad,
              double tick_rate_hz, std::uint64_t seed) {
-  const double full_scale = config.converter.full_scale_counts();
+  const std::vector<controller::ConverterRange> converters = config.converter.ranges();
   // A recorded glove has gone through its own sensors already.
   if (motion.measured_rad.size() > 0) {
-    Signal counts = SenseBendNominal(config.sensor, motion.measured_rad, full_scale);
+    Signal counts = SenseBendNominal(config.sensor, motion.measured_rad, converters);
     if (!config.calibration.empty() && !config.noise.recording.empty()) {
       throw controller::SettingError("noise.recording",
                                      "must be empty: the recording is in counts of a glove, whose "
@@ -99,9 +101,9 @@ Signal Sense(const GloveConfig& config, const Motion& motion, const Signal& trem
   }
   const SensorParameters sensor = DrawSensor(config.sensor, seed);
   if (tremor_rad.size() == 0) {
-    return SenseBend(config.sensor, sensor, motion.angle_rad, tick_rate_hz, full_scale);
+    return SenseBend(config.sensor, sensor, motion.angle_rad, tick_rate_hz, converters);
   }
-  return SenseBend(config.sensor, sensor, motion.angle_rad + tremor_rad, tick_rate_hz, full_scale);
+  return SenseBend(config.sensor, sensor, motion.angle_rad + tremor_rad, tick_rate_hz, converters);
 }
 
 /// What the glove takes of a signal that has a row per tick.
@@ -112,15 +114,15 @@ Signal Sampled(Signal signal, int ticks_per_sample) {
 
 /// From the sensors' signal to what the glove says: faults of each stage, noise, converter.
 void Digitise(const GloveConfig& config, std::uint64_t seed, GloveSignal& glove) {
-  const double full_scale = config.converter.full_scale_counts();
   const auto apply_faults = [&](FaultStage stage) {
-    ApplyFaults(stage, config.faults, full_scale, config.rate_hz, seed, glove.counts);
+    ApplyFaults(stage, config.faults, config.converter.ranges(), config.rate_hz, seed,
+                glove.counts);
   };
   apply_faults(FaultStage::kSampling);
   AddNoise(config.noise, config.sensor, config.converter, config.rate_hz, seed, glove.counts,
            glove.remarks);
   apply_faults(FaultStage::kAnalog);
-  ConvertAll(full_scale, glove.counts);
+  ConvertAll(config.converter, glove.counts);
   apply_faults(FaultStage::kDigital);
 }
 
@@ -134,6 +136,44 @@ void AddRemarksOnFaults(const GloveConfig& config, int samples, std::vector<std:
                     "at {} s",
                     i, config.faults[i].kind(), start_s, end_s));
   }
+}
+
+/// One value for all, if there is only one.
+std::vector<double> Shortened(const std::vector<double>& values) {
+  const bool alike = std::ranges::all_of(values, [&](double v) { return v == values[0]; });
+  return alike ? std::vector{values.at(0)} : values;
+}
+
+/// The bits of the converters of these columns. Columns whose bits are not in the map are of one
+/// converter, which is as large as any of them needs, unless the settings have a list. Errors:
+/// UserError if columns without bits of their own would become counts of another converter.
+void TakeBitsOfMap(const ColumnMap& map, const std::vector<OwnCounts>& columns,
+                   const std::string& file, ConverterConfig& converter) {
+  constexpr double kFewestBits = 8.0;
+  std::vector<double> bits;
+  for (std::size_t c = 0; c < KnownChannels().size(); ++c) bits.push_back(converter.bits_of(c));
+  std::vector<bool> given(bits.size(), converter.bits.size() > 1);
+  double most = kFewestBits;
+  for (const OwnCounts& own : columns) {
+    const auto c = static_cast<std::size_t>(own.channel);
+    if (own.bits > 0) bits[c] = std::max<double>(own.bits, kFewestBits);
+    given[c] = given[c] || own.bits > 0;
+    const double above = std::max(own.low_counts, own.high_counts) - converter.range(c).min_counts;
+    while (above > std::ldexp(1.0, static_cast<int>(bits[c])) - 1.0) ++bits[c];
+    most = std::max(most, bits[c]);
+  }
+  for (const ColumnMapping& mapping : map.channels) {
+    const bool stays = given[mapping.channel] || most == bits[mapping.channel];
+    if (stays || mapping.unit != RecordedUnit::kCounts || mapping.bits > 0) continue;
+    throw UserError(
+        {.place = file,
+         .problem = fmt::format("{}: bits must be given, as other columns are of {} bits",
+                                KnownChannels()[mapping.channel].name, most)});
+  }
+  for (std::size_t c = 0; c < bits.size(); ++c) {
+    if (!given[c]) bits[c] = most;
+  }
+  converter.bits = Shortened(bits);
 }
 
 }  // namespace
@@ -167,30 +207,17 @@ void TakeCalibrationOfMap(GloveConfig& config) {
   ColumnMap map;
   try {
     map = ReadMapOf(*motion);
+    config.converter.Check();
   } catch (const UserError&) {
+    return;
+  } catch (const controller::SettingError&) {
     return;
   }
   const auto own_counts = [&] {
-    const double full_scale = config.converter.full_scale_counts();
-    return OwnCountsOf(map, config.sensor.low_counts(full_scale),
-                       config.sensor.high_counts(full_scale));
+    return OwnCountsOf(map, NominalCountsOf(config.sensor, config.converter));
   };
-  int bits = 8;  // of the smallest converter
-  for (const OwnCounts& own : own_counts()) {
-    int needed = own.bits > 0 ? own.bits : config.converter.bits;
-    while (std::max(own.low_counts, own.high_counts) > std::ldexp(1.0, needed) - 1.0) ++needed;
-    bits = std::max(bits, needed);
-  }
   if (own_counts().empty()) return;
-  for (const ColumnMapping& mapping : map.channels) {
-    if (bits == config.converter.bits || mapping.unit != RecordedUnit::kCounts) continue;
-    if (mapping.bits > 0) continue;
-    throw UserError(
-        {.place = motion->map,
-         .problem = fmt::format("{}: bits must be given, as other columns are of {} bits",
-                                KnownChannels()[mapping.channel].name, bits)});
-  }
-  config.converter.bits = bits;
+  TakeBitsOfMap(map, own_counts(), motion->map, config.converter);
   const auto rounded = [](double value) { return std::round(value * 1e9) / 1e9; };
   for (const OwnCounts& own : own_counts()) {
     const auto deg_at = [&](double counts) {
@@ -209,6 +236,7 @@ void TakeCalibrationOfMap(GloveConfig& config) {
 GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   controller::CheckSettings(config);
   config.noise.Check();
+  config.converter.Check();
   const std::vector<int> indices = ChannelsOf(config);
 
   const controller::Timing timing = MakeGloveTiming(config.rate_hz);
@@ -288,15 +316,20 @@ std::vector<double> NoiseVarianceRad2(const GloveConfig& config) {
 
 controller::GloveCalibration NominalCalibration(const GloveConfig& config) {
   controller::GloveCalibration calibration;
-  calibration.full_scale_counts = config.converter.full_scale_counts();
+  std::vector<double> most, least;
   for (const int c : ChannelsOf(config)) {
     const Channel& channel = KnownChannels()[static_cast<std::size_t>(c)];
     calibration.channel_names.emplace_back(channel.name);
     calibration.low_angle_rad.push_back(channel.min_deg * kRadPerDeg);
     calibration.high_angle_rad.push_back(channel.max_deg * kRadPerDeg);
-    calibration.low_counts.push_back(config.sensor.low_counts(calibration.full_scale_counts));
-    calibration.high_counts.push_back(config.sensor.high_counts(calibration.full_scale_counts));
+    const controller::ConverterRange range = config.converter.range(static_cast<std::size_t>(c));
+    calibration.low_counts.push_back(config.sensor.low_counts(range));
+    calibration.high_counts.push_back(config.sensor.high_counts(range));
+    most.push_back(range.full_scale_counts);
+    least.push_back(range.min_counts);
   }
+  calibration.full_scale_counts = Shortened(most);
+  calibration.min_counts = Shortened(least);
   for (const OwnCalibration& own : config.calibration) {
     const auto place = std::ranges::find(calibration.channel_names, own.channel);
     if (place == calibration.channel_names.end()) continue;

@@ -54,9 +54,9 @@ std::vector<double> NoiseVarianceCounts2(const GloveConfig& config);
 std::vector<double> NoiseVarianceRad2(const GloveConfig& config);
 
 /// Takes the calibration, and the converter's bits, of a recording in counts (`use: measured`) from
-/// its column map, unless the settings have a calibration. A file that cannot be read changes
-/// nothing: SynthesiseGlove() reports it. Errors: UserError if columns without bits of their own
-/// would become counts of another converter.
+/// its column map, unless the settings have a calibration. A file that cannot be read, or settings
+/// that are wrong, change nothing: SynthesiseGlove() reports them. Errors: UserError if columns
+/// without bits of their own would become counts of another converter.
 void TakeCalibrationOfMap(GloveConfig& config);
 
 /// Calibration for the controllers. A channel of `config.calibration` has its two poses, every

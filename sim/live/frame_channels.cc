@@ -49,8 +49,8 @@ ColumnMap MapByNames(const DeviceColumns& columns, const std::vector<std::size_t
 }
 
 /// Whether a column gives counts of the glove's own converter, of which nothing else is known.
-bool AreGloveCounts(const ColumnMapping& mapping, double full_scale_counts) {
-  const bool fits = mapping.bits == 0 || std::ldexp(1.0, mapping.bits) - 1.0 == full_scale_counts;
+bool AreGloveCounts(const ColumnMapping& mapping, const controller::ConverterRange& range) {
+  const bool fits = mapping.bits == 0 || std::ldexp(1.0, mapping.bits) - 1.0 == range.span_counts();
   return mapping.unit == RecordedUnit::kCounts && !mapping.points && fits && mapping.scale == 1.0 &&
          mapping.offset == 0.0 && mapping.weight == 1.0;
 }
@@ -109,6 +109,7 @@ void FrameChannels::Configure(const DeviceColumns& columns) {
                                                                           .count = columns.count});
   if (config_.map.empty() && map.channels.empty()) return TakeInOrder(columns);
   const controller::GloveCalibration& glove = config_.glove;
+  const std::vector<controller::ConverterRange> converters = controller::ConvertersOf(glove);
   std::vector<ChannelParts> channels(glove.channel_names.size());
   std::vector<std::string> missing;
   for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -119,10 +120,11 @@ void FrameChannels::Configure(const DeviceColumns& columns) {
     bool are_counts = false;
     for (const ColumnMapping& mapping : map.channels) {
       if (mapping.channel != known) continue;
-      are_counts = AreGloveCounts(mapping, glove.full_scale_counts);
+      are_counts = AreGloveCounts(mapping, converters[c]);
       const ColumnScale scale = are_counts
                                     ? ColumnScale{.factor = 1.0 / counts_per_rad}
-                                    : ScaleOf(mapping, glove.low_counts[c], glove.high_counts[c]);
+                                    : ScaleOf(mapping, {.low_counts = glove.low_counts[c],
+                                                        .high_counts = glove.high_counts[c]});
       channels[c].parts.push_back({.column = mapping.column,
                                    .factor = scale.factor * counts_per_rad,
                                    .wraps_at = mapping.wraps_at});

@@ -1,10 +1,12 @@
 #include "sim/live/live_report.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
 #include "controller/number.h"
@@ -183,6 +185,22 @@ std::string SwitchText(const LiveFacts& facts, const LiveContext& context) {
   return fmt::format("Switches of the controller: {} ({}).", facts.switch_count, text);
 }
 
+/// What `gauntlet calibrate` cannot know of a file of counts.
+std::string ConverterOptions(const std::vector<controller::ConverterRange>& converters) {
+  const auto option = [&](std::string_view name, double by_default, const auto& member) {
+    std::vector<double> values;
+    for (const controller::ConverterRange& range : converters) values.push_back(range.*member);
+    const bool alike = std::ranges::all_of(values, [&](double v) { return v == values[0]; });
+    if (alike && (values.empty() || values[0] == by_default)) return std::string();
+    if (alike) values.resize(1);
+    return fmt::format(" {} {}", name, fmt::join(values, ","));
+  };
+  const controller::ConverterRange usual;
+  return option("--full-scale", usual.full_scale_counts,
+                &controller::ConverterRange::full_scale_counts) +
+         option("--min-counts", usual.min_counts, &controller::ConverterRange::min_counts);
+}
+
 std::string StillText(const LiveFacts& facts, const LiveContext& context) {
   std::string text;
   std::string options;
@@ -193,8 +211,8 @@ std::string StillText(const LiveFacts& facts, const LiveContext& context) {
     text += fmt::format("{}{:.2f} to {:.2f} s", text.empty() ? "" : ", ", begin_s, end_s);
     options += fmt::format(" --still {:.2f}:{:.2f}", begin_s, end_s);
   }
-  return fmt::format("Marked still: {}. The noise R of the glove: gauntlet calibrate {}{}", text,
-                     context.counts_file, options);
+  return fmt::format("Marked still: {}. The noise R of the glove: gauntlet calibrate {}{}{}", text,
+                     context.counts_file, ConverterOptions(context.converters), options);
 }
 
 std::string LoopText(const LiveFacts& facts) {

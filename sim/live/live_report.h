@@ -22,7 +22,8 @@ struct LiveContext {
   controller::Timing timing;
   double event_delay_ms = 0.0;   // of the scenario, for the simulated hand
   std::string counts_file = {};  // of a session with marks
-  std::string receiver;          // kind of the receiver of `link.glove`; empty: none
+  std::vector<controller::ConverterRange> converters = {};  // of its channels
+  std::string receiver;  // kind of the receiver of `link.glove`; empty: none
 };
 
 /// Score of a controller that only listened, or of the one that drove, on what it asked of the

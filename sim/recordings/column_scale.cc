@@ -14,7 +14,7 @@ constexpr double kNominalLowShare = 0.1;
 
 }  // namespace
 
-ColumnScale ScaleOf(const ColumnMapping& mapping, double low_counts, double high_counts) {
+ColumnScale ScaleOf(const ColumnMapping& mapping, const NominalCounts& nominal) {
   const Channel& joint = KnownChannels()[mapping.channel];
   const double min_rad = joint.min_deg * kRadPerDeg;
   const double range_rad = (joint.max_deg - joint.min_deg) * kRadPerDeg;
@@ -26,10 +26,12 @@ ColumnScale ScaleOf(const ColumnMapping& mapping, double low_counts, double high
     factor = range_rad;
     zero_rad = min_rad;
   } else if (mapping.unit == RecordedUnit::kCounts) {
+    double low_counts = nominal.low_counts;
+    double high_counts = nominal.high_counts;
     if (mapping.bits > 0) {
       const double full_scale_counts = std::ldexp(1.0, mapping.bits) - 1.0;
-      low_counts = kNominalLowShare * full_scale_counts;
-      high_counts = (1.0 - kNominalLowShare) * full_scale_counts;
+      low_counts = nominal.min_counts + kNominalLowShare * full_scale_counts;
+      high_counts = nominal.min_counts + (1.0 - kNominalLowShare) * full_scale_counts;
     }
     factor = range_rad / (high_counts - low_counts);
     zero_rad = min_rad - low_counts * factor;
@@ -38,11 +40,12 @@ ColumnScale ScaleOf(const ColumnMapping& mapping, double low_counts, double high
           .offset_rad = mapping.weight * (zero_rad + factor * mapping.offset)};
 }
 
-std::vector<OwnCounts> OwnCountsOf(const ColumnMap& map, double low_counts, double high_counts) {
+std::vector<OwnCounts> OwnCountsOf(const ColumnMap& map, std::span<const NominalCounts> nominal) {
   const double most_counts = std::ldexp(1.0, kMostMapBits) - 1.0;
   std::vector<OwnCounts> all;
   for (const ColumnMapping& mapping : map.channels) {
-    const ColumnScale scale = ScaleOf(mapping, low_counts, high_counts);
+    const NominalCounts& of_channel = nominal[PlaceInList(mapping.channel, nominal.size())];
+    const ColumnScale scale = ScaleOf(mapping, of_channel);
     const bool is_only =
         std::ranges::count(map.channels, mapping.channel, &ColumnMapping::channel) == 1;
     if (!mapping.in_counts || !is_only || mapping.wraps_at > 0.0 || scale.factor == 0.0) continue;
@@ -53,7 +56,9 @@ std::vector<OwnCounts> OwnCountsOf(const ColumnMap& map, double low_counts, doub
     const RawPoints points = mapping.points.value_or(
         RawPoints{.low = counts_at(joint.min_deg), .high = counts_at(joint.max_deg)});
     const auto [least, most] = std::minmax(points.low, points.high);
-    if (least < 0.0 || most > most_counts) continue;  // no converter gives these
+    const double beyond = most - of_channel.min_counts;
+    if (least < of_channel.min_counts || beyond > most_counts)
+      continue;  // no converter gives these
     std::string assumed = mapping.points || !mapping.assumed.empty() ? mapping.assumed : "range";
     if (map.is_confirmed) assumed.clear();
     all.push_back({.channel = mapping.channel,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,9 +16,16 @@ struct ColumnScale {
   double offset_rad = 0.0;
 };
 
-/// `low_counts` and `high_counts`: at the ends of a joint's range, of counts whose bits the map
-/// does not say.
-ColumnScale ScaleOf(const ColumnMapping& mapping, double low_counts, double high_counts);
+/// What is known of the counts of a channel without a map: the converter's smallest value, and
+/// those at the ends of the joint's range. By default 10 and 90 % of 10 bits.
+struct NominalCounts {
+  double min_counts = 0.0;
+  double low_counts = 102.3;
+  double high_counts = 920.7;
+};
+
+/// `nominal`: of the channel. Where the map gives bits, only its smallest value matters.
+ColumnScale ScaleOf(const ColumnMapping& mapping, const NominalCounts& nominal);
 
 /// The counts of a glove's own converter in one column: the channel's calibration.
 struct OwnCounts {
@@ -30,8 +38,8 @@ struct OwnCounts {
 };
 
 /// The channels that a map takes from one column of counts each, without weights of other columns
-/// and jumps. `low_counts` and `high_counts`: as for ScaleOf().
-std::vector<OwnCounts> OwnCountsOf(const ColumnMap& map, double low_counts, double high_counts);
+/// and jumps. `nominal`: one for all channels, or one for each of KnownChannels().
+std::vector<OwnCounts> OwnCountsOf(const ColumnMap& map, std::span<const NominalCounts> nominal);
 
 /// The columns of a table, as a map names them.
 struct RecordingColumns {

@@ -66,7 +66,7 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
     used[time.column] = true;
     if (time.is_text) csv_->ReadAsTime(time.column);
   }
-  own_counts_ = OwnCountsOf(map_, format.low_counts, format.high_counts);
+  own_counts_ = OwnCountsOf(map_, format.nominal);
   for (const ColumnMapping& mapping : map_.channels) {
     used[mapping.column] = true;
     has_channel_[mapping.channel] = true;
@@ -78,7 +78,8 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
 }
 
 void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFormat& format) {
-  const ColumnScale scale = ScaleOf(mapping, format.low_counts, format.high_counts);
+  const ColumnScale scale =
+      ScaleOf(mapping, format.nominal[PlaceInList(mapping.channel, format.nominal.size())]);
   const std::size_t channel = mapping.channel;
   // A sum ends with the last of its rows.
   bool is_first = true;

@@ -27,9 +27,8 @@ struct RecordingFormat {
   std::string_view rate_key = "file_rate_hz";  // what messages call it
   ProblemHandling handling = ProblemHandling::kStrict;
   double longest_gap_ms = 100.0;  // a longer one is a problem
-  // For columns in counts: those at the ends of a joint's range. By default 10 and 90 % of 10 bits.
-  double low_counts = 102.3;
-  double high_counts = 920.7;
+  // For columns in counts: one for all channels, or one for each of KnownChannels().
+  std::vector<NominalCounts> nominal = {NominalCounts{}};
   double repair_budget_percent = 5.0;  // of rows: more repairs are a mistake. See LoadRecording
   bool keeps_to_range = true;          // an angle beyond the joint's range is a problem
 };

@@ -33,6 +33,7 @@ std::vector<std::string> ChannelNamesOf(const GloveConfig& glove, const YamlNode
       names.emplace_back(KnownChannels()[static_cast<std::size_t>(channel)].name);
     }
     glove.noise.Check();
+    glove.converter.Check();
   } catch (const controller::SettingError& error) {
     const std::string& key = error.key();
     const std::size_t dot = key.find('.');

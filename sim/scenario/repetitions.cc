@@ -143,9 +143,9 @@ std::string WhyNotAlike(const GloveConfig& first, const GloveConfig& other) {
   if (ChannelsOf(other) != ChannelsOf(first)) return "glove.channels are others than in the first";
   const controller::GloveCalibration a = NominalCalibration(first);
   const controller::GloveCalibration b = NominalCalibration(other);
-  const bool same = a.full_scale_counts == b.full_scale_counts && a.low_counts == b.low_counts &&
-                    a.high_counts == b.high_counts && a.low_angle_rad == b.low_angle_rad &&
-                    a.high_angle_rad == b.high_angle_rad;
+  const bool same = controller::ConvertersOf(a) == controller::ConvertersOf(b) &&
+                    a.low_counts == b.low_counts && a.high_counts == b.high_counts &&
+                    a.low_angle_rad == b.low_angle_rad && a.high_angle_rad == b.high_angle_rad;
   return same ? ""
               : "glove.converter, glove.sensor or the column map need another calibration than the "
                 "first";
@@ -217,6 +217,7 @@ void CheckRepetitions(const std::vector<RepeatedSetting>& lists, const Repetitio
     std::string problem;
     try {
       repetitions.gloves[i].noise.Check();
+      repetitions.gloves[i].converter.Check();
       problem = WhyNotAlike(repetitions.gloves.front(), repetitions.gloves[i]);
     } catch (const controller::SettingError& error) {
       throw source.At(lists.front().values[i],

@@ -67,8 +67,8 @@ class FilterSteps {
       : config_(robot.controller.untrusted),
         filter_at_(robot.controller.filter_at),
         start_counts_(std::move(start_counts)),
-        guard_(config_, start_counts_, robot.glove.full_scale_counts, robot.timing.sample_rate_hz(),
-               robot.glove.frame_number_bits),
+        guard_(config_, start_counts_, controller::ConvertersOf(robot.glove),
+               robot.timing.sample_rate_hz(), robot.glove.frame_number_bits),
         event_clock_(robot.timing.TicksOf(robot.timing.event_period_ms)),
         counts_(kBlockTicks, std::ssize(start_counts_)),
         steps_until_(kBlockTicks) {}

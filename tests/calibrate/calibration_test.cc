@@ -253,7 +253,7 @@ TEST_F(PoseFile, HasCountsAndAnglesOfEachChannelInAnyOrder) {
 TEST_F(PoseFile, LeavesGlitchesBeyondTheScaleOut) {
   const PoseRecording recording =
       Load("t_s,a_counts\n" + Rows(60, "5") + "0.6,65535\n0.61,5\n0.62,-1\n" + "0.63,5\n",
-           {.full_scale_counts = 1023.0});
+           {.full_scale_counts = {1023.0}});
   EXPECT_EQ(recording.counts.rows(), 62);
   EXPECT_EQ(recording.rows_beyond_scale, 2u);
   EXPECT_EQ(recording.rows_left_out, 0u);

@@ -152,8 +152,43 @@ TEST_F(PoseFiles, LastUntilTheNextPoseWithoutAnEnd) {
 
 TEST_F(PoseFiles, TakeTheScaleOfTheConverterFromTheMap) {
   const PoseRecording recording = LoadPoseRecording(OfAStranger(), {.map = Map("12")});
-  EXPECT_EQ(recording.full_scale_counts, 4095.0);
+  EXPECT_EQ(recording.converter(0).full_scale_counts, 4095.0);
   EXPECT_THAT(ErrorOf(OfAStranger(), {.map = Map("8")}), HasSubstr("full scale of 255"));
+  const std::string bits =
+      Write("bits.csv",
+            "column,channel,unit,bits\nflexA,index_mcp,counts,12\nflexB,ring_mcp,counts,11\n");
+  const PoseRecording mixed =
+      LoadPoseRecording(OfAStranger(), {.min_counts = {0.0, -1000.0}, .map = bits});
+  EXPECT_EQ(mixed.converter(0).full_scale_counts, 4095.0);
+  EXPECT_EQ(mixed.converter(1).min_counts, -1000.0);
+  EXPECT_EQ(mixed.converter(1).full_scale_counts, 1047.0);
+}
+
+/// The recording by own names, of a converter of 12 bits and a signed one of 10 bits.
+TEST_F(PoseFiles, MayHaveAConverterForEachChannel) {
+  std::string text = "t_s,index_mcp_counts,index_pip_counts,index_mcp_deg,index_pip_deg\n";
+  for (int row = 0; row < kPoses * kRowsPerPose; ++row) {
+    const bool first = PoseOf(row) == 0;  // saturated: the first channel above, the second below
+    text += fmt::format("{},{},{},{},{}\n", row / kRate_hz, first ? 4095 : CountsOf(row, 0),
+                        first ? -512 : CountsOf(row, 1) - 512, AngleOf(row), AngleOf(row));
+  }
+  const std::string file = Write("mixed.csv", text);
+  const PoseRecordingFormat format = {
+      .full_scale_counts = {4095.0, 511.0}, .min_counts = {0.0, -512.0}, .still = {{4.1, 5.9}}};
+  const PoseRecording recording = LoadPoseRecording(file, format);
+  EXPECT_EQ(recording.rows_beyond_scale, 0U);
+  CurveErrors errors;
+  const Calibration calibration = Calibrate(recording, {}, errors);
+  EXPECT_EQ(calibration.linearisation.channels[0].counts.size(), 3U);
+  EXPECT_EQ(calibration.linearisation.channels[1].counts.size(), 3U);
+  EXPECT_THAT(ErrorOf(file, {.full_scale_counts = {4095.0}}),
+              HasSubstr("is -512 counts, must be from 0 to the converter's full scale of 4095 "
+                        "(--min-counts)"));
+  EXPECT_EQ(ErrorOf(file, {.full_scale_counts = {1.0, 2.0, 3.0}}),
+            "--full-scale: has 3 values, must have 1 for all channels or 2, one for each column of "
+            "counts");
+  EXPECT_EQ(ErrorOf(file, {.full_scale_counts = {511.0}, .min_counts = {0.0, 511.0}}),
+            "--full-scale: is 511, must be above --min-counts, 511");
 }
 
 TEST_F(PoseFiles, AreStillWhereSomebodySaysSo) {
@@ -209,10 +244,6 @@ TEST_F(PoseFiles, NameTheirMistakes) {
   const std::string twice =
       Write("twice.csv", "column,channel,weight\nflexA,index_mcp,0.5\nflexB,index_mcp,0.5\n");
   EXPECT_THAT(ErrorOf(file, {.map = twice}), HasSubstr("is a second column of index_mcp"));
-  const std::string bits =
-      Write("bits.csv",
-            "column,channel,unit,bits\nflexA,index_mcp,counts,12\nflexB,ring_mcp,counts,10\n");
-  EXPECT_THAT(ErrorOf(file, {.map = bits}), HasSubstr("has other bits than index_mcp"));
   std::string text = "time_s,index_mcp_counts\n";
   for (int row = 0; row < 20; ++row) text += fmt::format("{}e-9,{}\n", row, 500 + row);
   EXPECT_THAT(ErrorOf(Write("wrong_unit.csv", text), {}),

@@ -24,9 +24,13 @@ namespace fs = std::filesystem;
 constexpr int kSamples = 94'096;
 constexpr int kDelayTicks = 30;
 
-// Every stage of a controller does something.
+// Every stage of a controller does something, and converters are of 10 and 12 bits, signed or not.
 constexpr const char* kScenario = R"(question: q
-glove: {{motion: {{kind: random, duration_s: {}}}}}
+glove:
+  motion: {{kind: random, duration_s: {}}}
+  converter:
+    bits: [10, 12, 12, 10, 12, 10, 12, 10, 12, 10, 12, 10, 12, 10, 12, 10, 12, 10]
+    min_counts: [0, -2048, 0, -512, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, -512]
 event: {{delay_ms: {}}}
 score: {{noise_free_twin: false}}
 controllers:

@@ -179,7 +179,7 @@ TEST_F(OwnGlove, ItsMapIsTheCalibrationOfTheExportedController) {
     EXPECT_DOUBLE_EQ(robot.glove.low_counts[i], LowCounts(i));
     EXPECT_DOUBLE_EQ(robot.glove.high_counts[i], LowCounts(i) + kCountsPerRange);
   }
-  EXPECT_EQ(robot.glove.full_scale_counts, 1023.0);
+  EXPECT_EQ(robot.glove.full_scale_counts, std::vector{1023.0});
   ExpectWholeRange(robot);
 }
 

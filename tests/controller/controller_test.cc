@@ -479,6 +479,43 @@ TEST(Controller, RefusesAGloveWhosePosesDoNotFit) {
   EXPECT_THROW(Controller(ControllerConfig{}, flat, CoupledHand(4)), SettingError);
 }
 
+TEST(Controller, NamesTheConverterThatIsWrong) {
+  const auto problem_of = [](const std::vector<double>& least, const std::vector<double>& most) {
+    GloveCalibration glove = PlainGlove(3);
+    glove.min_counts = least;
+    glove.full_scale_counts = most;
+    try {
+      Controller(ControllerConfig{}, glove, CoupledHand(3));
+    } catch (const SettingError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no complaint");
+  };
+  EXPECT_EQ(problem_of({-2048.0}, {2047.0}), "no complaint");
+  EXPECT_EQ(problem_of({0.0, -2048.0, 0.0}, {1023.0, 2047.0, 4095.0}), "no complaint");
+  EXPECT_EQ(
+      problem_of({0.0}, {0.0}),
+      "calibration.full_scale_counts: is 0 for channel joint_0, must be above its min_counts, "
+      "0, and at most 1000000000");
+  EXPECT_EQ(problem_of({0.0, 0.0, 1023.5}, {1023.0}),
+            "calibration.full_scale_counts: is 1023 for channel joint_2, must be above its "
+            "min_counts, 1023.5, and at most 1000000000");
+  EXPECT_EQ(problem_of({0.0}, {1023.0, 4095.0}),
+            "calibration.full_scale_counts: has 2 values, must have 1 for all channels or 3, one "
+            "for each");
+  EXPECT_THAT(problem_of({}, {1023.0}), HasSubstr("calibration.min_counts: has 0 values"));
+  EXPECT_EQ(problem_of({kNaN}, {1023.0}),
+            "calibration.min_counts: is nan, must be from -1000000000 to 1000000000");
+  EXPECT_EQ(problem_of({0.0}, {1023.0, 1023.0, std::numeric_limits<double>::infinity()}),
+            "calibration.full_scale_counts: is inf, must be from -1000000000 to 1000000000");
+  EXPECT_EQ(problem_of({201.0}, {1023.0}),
+            "calibration: channel joint_0: a pose is at 200 counts, must be within the converter's "
+            "range, 201 to 1023");
+  EXPECT_EQ(problem_of({0.0}, {1023.0, 799.0, 1023.0}),
+            "calibration: channel joint_1: a pose is at 800 counts, must be within the converter's "
+            "range, 0 to 799");
+}
+
 TEST(Controller, HoldsTheReferenceOfJointsThatNoChannelMeasures) {
   TendonTransmission hand = CoupledHand(4);
   hand.reference_angle_rad.assign(4, 0.6);

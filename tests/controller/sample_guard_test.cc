@@ -13,12 +13,14 @@ namespace gauntlet::controller {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr ConverterRange kTenBits[2] = {};  // of two channels
 
 /// One channel of a 10-bit converter at 1 kHz, starting at 400 counts.
 class OneChannel {
  public:
-  explicit OneChannel(const SampleGuardConfig& config = {}, int frame_number_bits = 64)
-      : guard_(config, kStart, 1023.0, 1000.0, frame_number_bits) {}
+  explicit OneChannel(const SampleGuardConfig& config = {}, int frame_number_bits = 64,
+                      const ConverterRange& converter = {})
+      : guard_(config, kStart, {&converter, 1}, 1000.0, frame_number_bits) {}
 
   double Take(double counts, std::optional<std::int64_t> number = {}) {
     guard_.Take({.counts = {&counts, 1}, .number = number}, [](int) {});
@@ -66,6 +68,42 @@ TEST(SampleGuard, TrustsTheEndsOfTheConverterIfTold) {
   EXPECT_EQ(channel.Take(1023.0), 1023.0);
   EXPECT_EQ(channel.Take(0.0), 0.0);
   EXPECT_EQ(channel.total(), 0);
+}
+
+TEST(SampleGuard, KnowsTheEndsOfASignedConverter) {
+  const ConverterRange range = {.min_counts = -2048.0, .full_scale_counts = 2047.0};
+  OneChannel channel({.jump_share = 0.25, .jump_confirm_ms = 10.0}, 64, range);
+  EXPECT_EQ(channel.Take(0.0), 0.0);
+  EXPECT_EQ(channel.Take(-1000.0), -1000.0);
+  EXPECT_EQ(channel.Take(23.0), 23.0) << "1023 of 4095 counts are no jump";
+  EXPECT_EQ(channel.Take(-1001.0), 23.0) << "1024 of 4095 counts are a jump";
+  EXPECT_EQ(channel.Count(Untrusted::kJumped), 1);
+  EXPECT_EQ(channel.Take(-2048.0), 23.0);
+  EXPECT_EQ(channel.Take(2047.0), 23.0);
+  EXPECT_EQ(channel.Count(Untrusted::kFullScale), 2);
+  EXPECT_EQ(channel.Take(-2049.0), 23.0);
+  EXPECT_EQ(channel.Take(2048.0), 23.0);
+  EXPECT_EQ(channel.Count(Untrusted::kOutOfRange), 2);
+
+  OneChannel trusting({.full_scale = false, .jump_share = 0.0}, 64, range);
+  EXPECT_EQ(trusting.Take(-2048.0), -2048.0);
+  EXPECT_EQ(trusting.Take(2047.0), 2047.0);
+  EXPECT_EQ(trusting.total(), 0);
+}
+
+TEST(SampleGuard, HasAConverterForEachChannel) {
+  const ConverterRange ranges[] = {{},
+                                   {.min_counts = -2048.0, .full_scale_counts = -1.0},
+                                   {.min_counts = 0.0, .full_scale_counts = 4095.0}};
+  const double start[] = {400.0, 400.0, 4000.0};
+  SampleGuard guard({}, start, ranges, 1000.0);
+  EXPECT_EQ(guard.trusted_counts()[1], -1.0) << "no start outside the range";
+  EXPECT_EQ(guard.trusted_counts()[2], 4000.0);
+  const double counts[] = {1023.0, -2048.0, 4000.0};
+  guard.Take({.counts = counts}, [](int) {});
+  EXPECT_EQ(guard.untrusted_samples(Untrusted::kFullScale)[0], 1);
+  EXPECT_EQ(guard.untrusted_samples(Untrusted::kFullScale)[1], 1);
+  EXPECT_EQ(guard.untrusted_samples()[2], 0);
 }
 
 TEST(SampleGuard, CountsAStuckSensorAndLetsItRecover) {
@@ -149,7 +187,7 @@ TEST(SampleGuard, HoldsTheFirstValueAgainstWhereTheHandIs) {
 
 TEST(SampleGuard, TellsWhichChannelsBecomeGood) {
   const double start[] = {100.0, 100.0};
-  SampleGuard guard({}, start, 1023.0, 1000.0);
+  SampleGuard guard({}, start, kTenBits, 1000.0);
   std::vector<int> started;
   const auto note = [&started](int channel) { started.push_back(channel); };
   const double first[] = {200.0, kNaN};
@@ -164,9 +202,9 @@ TEST(SampleGuard, TellsWhichChannelsBecomeGood) {
 TEST(SampleGuard, HandsOnWhatItHasSeenAndStartsOtherChannelsAnew) {
   const double start[] = {400.0, 400.0};
   const double counts[] = {500.0, kNaN};
-  SampleGuard before({}, start, 1023.0, 1000.0);
+  SampleGuard before({}, start, kTenBits, 1000.0);
   before.Take({.counts = counts}, [](int) {});
-  SampleGuard after({}, start, 1023.0, 1000.0);
+  SampleGuard after({}, start, kTenBits, 1000.0);
   const double other_start[] = {300.0, 700.0};
   after.TakeMemory(before, other_start);
   EXPECT_EQ(after.trusted_counts()[0], 500.0);

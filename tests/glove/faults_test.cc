@@ -151,7 +151,7 @@ TEST(Faults, AnOffsetJumpShiftsAllThatComesAfterIt) {
   const FaultConfig fault{OffsetJumpFault{
       .when = {.start_s = 1.0, .rate_per_s = 0.0, .duration_ms = 0.0}, .offset_counts = 25.0}};
   Signal counts = Signal::Constant(3000, std::ssize(KnownChannels()), 500.0);
-  ApplyFaults(FaultStage::kAnalog, {fault}, 1023.0, 1000.0, 1, counts);
+  ApplyFaults(FaultStage::kAnalog, {fault}, ConverterConfig{}.ranges(), 1000.0, 1, counts);
   bool up = false, down = false;
   for (Eigen::Index c = 0; c < counts.cols(); ++c) {
     EXPECT_TRUE((counts.col(c).head(1000).array() == 500.0).all());
@@ -170,7 +170,7 @@ TEST(Faults, TimeJitterTakesSamplesOffTheirTimeByItsDeviation) {
   Signal counts = Signal::Zero(samples, std::ssize(KnownChannels()));
   counts.colwise() = counts_per_sample * Eigen::VectorXd::LinSpaced(samples, 0, samples - 1);
   const Signal exact = counts;
-  ApplyFaults(FaultStage::kSampling, {fault}, 1023.0, 1000.0, 1, counts);
+  ApplyFaults(FaultStage::kSampling, {fault}, ConverterConfig{}.ranges(), 1000.0, 1, counts);
   const auto inside = (counts - exact).middleRows(100, samples - 200) / counts_per_sample;
   const double values = static_cast<double>(inside.size());  // 435,600: a standard error of 0.11 %
   EXPECT_NEAR(std::sqrt(inside.squaredNorm() / values), 3.0, 0.03);

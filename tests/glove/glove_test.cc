@@ -14,6 +14,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/glove/faults/fault_config.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
@@ -91,12 +92,66 @@ TEST(Glove, CountsAreWholeAndInsideTheScale) {
     GloveConfig config;
     config.motion.settings = RandomMotionConfig{.duration_s = 2.0, .range_percent = 100.0};
     config.noise.variance_scale = 1000.0;  // enough to clip at both ends
-    config.converter.bits = bits;
+    config.converter.bits = {static_cast<double>(bits)};
     const GloveSignal glove = SynthesiseGlove(config, 1);
     const double full_scale = std::pow(2.0, bits) - 1.0;
     EXPECT_EQ(glove.counts.minCoeff(), 0.0);
     EXPECT_EQ(glove.counts.maxCoeff(), full_scale);
     EXPECT_TRUE((glove.counts.array() == glove.counts.array().round()).all());
+  }
+}
+
+/// Faults, noise that clips at both ends, and noise that channels have in common.
+GloveConfig WithAllThatKnowsTheConverter() {
+  GloveConfig config;
+  config.motion.settings = RandomMotionConfig{.duration_s = 2.0, .range_percent = 100.0};
+  config.noise.covariance_counts2.assign(18 * 18, 9000.0);
+  for (std::size_t c = 0; c < 18; ++c) config.noise.covariance_counts2[19 * c] = 36000.0;
+  for (const FaultKind& kind : FaultKinds()) config.faults.push_back(kind.defaults);
+  return config;
+}
+
+TEST(Glove, SignedCountsAreThoseOfTheSameConverterLessAsMuch) {
+  GloveConfig config = WithAllThatKnowsTheConverter();
+  const GloveSignal from_zero = SynthesiseGlove(config, 1);
+  EXPECT_EQ(NominalCalibration(config).min_counts, std::vector{0.0});
+  config.converter.min_counts.assign(18, 0.0);
+  for (std::size_t c = 1; c < 18; c += 2) config.converter.min_counts[c] = -512.0;
+  const GloveSignal mixed = SynthesiseGlove(config, 1);
+  const controller::GloveCalibration calibration = NominalCalibration(config);
+  EXPECT_EQ(calibration.full_scale_counts[1], 511.0);
+  int at_the_lower_end = 0;
+  for (Eigen::Index c = 0; c < 18; ++c) {
+    const double shift = c % 2 == 1 ? -512.0 : 0.0;
+    EXPECT_EQ(calibration.min_counts[static_cast<std::size_t>(c)], shift);
+    EXPECT_EQ(mixed.counts.col(c).array().isNaN().count(),
+              from_zero.counts.col(c).array().isNaN().count());
+    const auto differs = (mixed.counts.col(c).array() != from_zero.counts.col(c).array() + shift) &&
+                         !mixed.counts.col(c).array().isNaN();
+    EXPECT_EQ(differs.count(), 0) << c;
+    at_the_lower_end += (mixed.counts.col(c).array() == shift).any() ? 1 : 0;
+  }
+  EXPECT_GE(at_the_lower_end, 14) << "others are disconnected";
+}
+
+TEST(Glove, AWiderConverterGivesTheSameVoltagesInMoreCounts) {
+  GloveConfig config = WithAllThatKnowsTheConverter();
+  config.converter.bits = {24.0};  // as good as no rounding
+  const GloveSignal fine = SynthesiseGlove(config, 1);
+  config.converter.bits.assign(18, 24.0);
+  config.converter.bits[4] = 10.0;
+  config.converter.bits[5] = 12.0;
+  config.converter.min_counts.assign(18, 0.0);
+  config.converter.min_counts[5] = -2048.0;
+  const GloveSignal mixed = SynthesiseGlove(config, 1);
+  for (Eigen::Index c = 0; c < 18; ++c) {
+    const controller::ConverterRange range = config.converter.range(static_cast<std::size_t>(c));
+    for (Eigen::Index k = 0; k < fine.counts.rows(); ++k) {
+      const double exact =
+          range.min_counts + fine.counts(k, c) * range.span_counts() / (std::exp2(24.0) - 1.0);
+      if (std::isnan(exact)) continue;
+      ASSERT_NEAR(mixed.counts(k, c), exact, 0.501) << c << ", " << k;
+    }
   }
 }
 
@@ -193,7 +248,13 @@ TEST(Glove, PlaysTheDoorRecordingAtOneKilohertz) {
 
 TEST(Glove, NamesTheSettingThatIsWrong) {
   GloveConfig config = HoldStill(1.0);
-  config.converter.bits = 7;
+  config.converter.bits = {7};
+  EXPECT_THROW(SynthesiseGlove(config, 1), controller::SettingError);
+  config = HoldStill(1.0);
+  config.converter.bits = {10.0, 12.0};
+  EXPECT_THROW(SynthesiseGlove(config, 1), controller::SettingError);
+  config.converter.bits = {10.0};
+  config.converter.min_counts = {0.5};
   EXPECT_THROW(SynthesiseGlove(config, 1), controller::SettingError);
   config = HoldStill(1.0);
   config.noise.variance_counts2 = {1.0, 2.0};

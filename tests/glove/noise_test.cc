@@ -190,7 +190,7 @@ TEST(ColouredNoise, WalkSpreadsWithTheRootOfTime) {
 Signal NoiseOf(const NoiseConfig& config, int samples, int bits = 10) {
   Signal counts = Signal::Zero(samples, 18);
   std::vector<std::string> remarks;
-  AddNoise(config, {}, {.bits = bits}, 1000.0, 9, counts, remarks);
+  AddNoise(config, {}, {.bits = {static_cast<double>(bits)}}, 1000.0, 9, counts, remarks);
   return counts;
 }
 

@@ -8,7 +8,8 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kFullScale = 1000.0;  // 10 to 90 % is 100 to 900 counts
+// 10 to 90 % is 100 to 900 counts.
+const std::vector<controller::ConverterRange> kConverters(18, {.full_scale_counts = 1000.0});
 
 SensorConfig Nominal() {
   SensorConfig config;
@@ -33,7 +34,7 @@ Signal AnglesAt(const std::vector<double>& shares) {
 
 Signal Sense(const SensorConfig& config, const SensorParameters& sensor,
              const std::vector<double>& shares) {
-  return SenseBend(config, sensor, AnglesAt(shares), 1000.0, kFullScale);
+  return SenseBend(config, sensor, AnglesAt(shares), 1000.0, kConverters);
 }
 
 TEST(BendSensor, MapsTheRangeToTenToNinetyPercent) {
@@ -91,7 +92,7 @@ TEST(BendSensor, SeesSomeOfItsNeighboursBending) {
     return kRadPerDeg * (j.min_deg + s * (j.max_deg - j.min_deg));
   };
   angle_rad.col(4).setConstant(share(GloveChannels()[4], 0.8));
-  const Signal counts = SenseBend(Nominal(), sensor, angle_rad, 1000.0, kFullScale);
+  const Signal counts = SenseBend(Nominal(), sensor, angle_rad, 1000.0, kConverters);
   for (const int i : {0, 511, 512, 1499}) {
     EXPECT_NEAR(counts(i, 5), 500.0 + 0.1 * 0.3 * 800.0, 1e-9);
     // What 5 sees of 4 is not passed on to 6: cross-talk is of the bending, not of the signal.

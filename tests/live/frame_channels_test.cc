@@ -4,11 +4,13 @@
 
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
+#include "tests/support/program.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -57,6 +59,26 @@ TEST(FrameChannels, AsksWhereTheNumberOfValuesIsNotThatOfTheGlove) {
   const std::string problem = ProblemOf({.names = {}, .count = 3, .version = 1}, {1.0, 2.0, 3.0});
   EXPECT_NE(problem.find("has 3 values, the glove has 2 channels; --map"), std::string::npos)
       << problem;
+}
+
+TEST(FrameChannels, TakesCountsOfEachChannelsOwnConverter) {
+  FrameChannelsConfig config = TwoChannels();
+  config.glove.low_counts[1] = -1500.0;
+  config.glove.full_scale_counts = {1023.0, 2047.0};
+  config.glove.min_counts = {0.0, -2048.0};
+  const test::TemporaryDirectory folder;
+  config.map = (folder.path() / "map.csv").string();
+  const auto counts = [&](int bits) {
+    std::ofstream(config.map) << "column,channel,unit,bits\n1,index_mcp,counts,10\n"
+                              << "2,index_pip,counts," << bits << "\n";
+    FrameChannels channels(config);
+    const auto both =
+        channels.Counts({.names = {}, .count = 2, .version = 1}, std::array{700.0, -1700.0});
+    EXPECT_EQ(both[0], 700.0);
+    return both[1];
+  };
+  EXPECT_EQ(counts(12), -1700.0);
+  EXPECT_NE(counts(10), -1700.0) << "counts of another converter";
 }
 
 TEST(FrameChannels, NamesTheGloveThatTheColumnsWouldFit) {

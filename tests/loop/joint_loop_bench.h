@@ -68,7 +68,7 @@ class JointLoopBench {
             .high_counts = std::vector<double>(channels, CountsOf(1.0)),
             .low_angle_rad = std::vector<double>(channels, -1.0),
             .high_angle_rad = std::vector<double>(channels, 1.0),
-            .full_scale_counts = 1e6};
+            .full_scale_counts = {1e6}};
   }
 
   HandLoop loop_;

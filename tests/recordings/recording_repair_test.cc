@@ -651,7 +651,7 @@ TEST_F(Files, OfAGloveInCountsHaveTheCalibrationOfTheirMap) {
   };
   const GloveConfig points =
       taken("a,index_mcp,counts,,300,500,range\nb,index_pip,counts,,3000,2000,\n");
-  EXPECT_EQ(points.converter.bits, 12);
+  EXPECT_EQ(points.converter.bits, std::vector{12.0});
   ASSERT_EQ(points.calibration.size(), 2U);
   EXPECT_EQ(points.calibration[0].assumed, "range");
   EXPECT_EQ(points.calibration[1].assumed, "");
@@ -662,6 +662,13 @@ TEST_F(Files, OfAGloveInCountsHaveTheCalibrationOfTheirMap) {
   EXPECT_EQ(taken(no_points).calibration.at(0).assumed, "range");
   EXPECT_NEAR(taken(no_points).calibration.at(0).low_counts, 102.3, 1e-6);
   EXPECT_EQ(taken(no_points + "all,confirmed,,,,,\n").calibration.at(0).assumed, "");
+  // Each column has the converter that the map gives it; the others the scenario's.
+  const ConverterConfig both =
+      taken("a,index_mcp,counts,10,,,\nb,index_pip,counts,12,,,\n").converter;
+  EXPECT_EQ(both.bits_of(ChannelIndex("index_mcp")), 10.0);
+  EXPECT_EQ(both.bits_of(ChannelIndex("index_pip")), 12.0);
+  const std::string twelve = "a,index_mcp,counts,12,,,\nb,index_pip,counts,12,,,\n";
+  EXPECT_EQ(taken(twelve).converter.bits, std::vector{12.0});
   // Ten bits of the scenario would become twelve.
   try {
     taken("a,index_mcp,counts,,,,\nb,index_pip,counts,12,,,\n");

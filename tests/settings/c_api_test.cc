@@ -267,6 +267,12 @@ TEST(CApi, SwapsOtherSettingsIn) {
   other.hand.center_counts[4] = 500;
   EXPECT_FALSE(prepare(handle.get(), other, problem));
   EXPECT_EQ(problem, "settings: have another glove, hand, joint_map or timing than the controller");
+  other = Robot();
+  other.glove.min_counts = {-1024.0};
+  EXPECT_FALSE(prepare(handle.get(), other, problem));
+  EXPECT_EQ(problem, "settings: have another glove, hand, joint_map or timing than the controller");
+  other.glove.min_counts.assign(kChannels, 0.0);
+  EXPECT_TRUE(prepare(handle.get(), other, problem)) << "the same range, as a list: " << problem;
   EXPECT_FALSE(prepare(nullptr, Robot(), problem));
   EXPECT_EQ(problem, "controller: is missing");
 }

@@ -4,6 +4,21 @@
 
 namespace gauntlet::test {
 
+/// Converters of other ranges for the same glove: 10 bits, 12 bits, and signed 16 bits with a
+/// sensor that is wired the other way round, in turn. The counts are offset + factor (counts of
+/// 10 bits).
+constexpr std::int32_t MixedFactor(int channel) {
+  return channel % 3 == 0 ? 1 : channel % 3 == 1 ? 4 : -64;
+}
+constexpr std::int32_t MixedOffset(int channel) { return channel % 3 == 2 ? 32704 : 0; }
+template <class Scalar>
+void ToMixedConverters(Scalar* counts, int channel_count) {
+  for (int i = 0; i < channel_count; ++i) {
+    counts[i] =
+        static_cast<Scalar>(MixedOffset(i)) + static_cast<Scalar>(MixedFactor(i)) * counts[i];
+  }
+}
+
 /// Whole counts of a moving, noisy glove that every machine can compute: a triangle per channel and
 /// noise of 12 counts, with a value at full scale (1023) now and then, from integers alone.
 class EmbeddedGlove {

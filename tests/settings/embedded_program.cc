@@ -2,7 +2,7 @@
 // prints the command of each event; at last, as an error, the clock's ticks for all steps and for
 // the longest, and the bytes of the controller and of its settings.
 // With START_COUNTS, the motors are there; no channel has a sample for ABSENT_TICKS, and the third
-// has none for twice as long.
+// has none for twice as long. With MIXED_CONVERTERS, channels have converters of their own.
 #include <cstdint>
 #include <cstdio>
 
@@ -39,6 +39,9 @@ int main() {
   for (int tick = 0; tick < TICKS; ++tick) {
     const bool fresh = tick % robot::kTicksPerSample == 0;
     if (fresh) glove.Next(counts, robot::kChannelCount);
+#ifdef MIXED_CONVERTERS
+    if (fresh) gauntlet::test::ToMixedConverters(counts, robot::kChannelCount);
+#endif
 #ifdef START_COUNTS
     const float missing = __builtin_nanf("");
     for (float& count : counts) count = tick < ABSENT_TICKS ? missing : count;

@@ -70,6 +70,41 @@ RobotConfig Unusual() {
   return robot;
 }
 
+/// A glove whose glitches only the ends of its converters tell.
+RobotConfig WithoutJumps() {
+  RobotConfig robot = SettledKalman();
+  robot.controller.untrusted.jump_share = 0.0;
+  return robot;
+}
+
+/// The same with test::ToMixedConverters().
+RobotConfig MixedConverters() {
+  RobotConfig robot = WithoutJumps();
+  KalmanNoise noise = {.r = {}, .q = {}};
+  robot.glove.min_counts.clear();
+  robot.glove.full_scale_counts.clear();
+  for (int i = 0; i < kChannels; ++i) {
+    const double factor = test::MixedFactor(i);
+    const double offset = test::MixedOffset(i);
+    for (auto* counts : {&robot.glove.low_counts, &robot.glove.high_counts}) {
+      double& value = (*counts)[static_cast<std::size_t>(i)];
+      value = offset + factor * value;
+    }
+    const auto [least, most] = std::minmax({offset, offset + 1023.0 * factor});
+    robot.glove.min_counts.push_back(least);
+    robot.glove.full_scale_counts.push_back(most);
+    noise.r.push_back(15.0 * factor * factor);
+    noise.q.push_back(1e-4 * factor * factor);
+  }
+  robot.controller.filters = {{KalmanSteadyConfig{.noise = noise}}};
+  return robot;
+}
+
+bool IsMixed(const RobotConfig& robot) { return robot.glove.min_counts.size() > 1; }
+std::string ConverterFlag(const RobotConfig& robot) {
+  return IsMixed(robot) ? " -DMIXED_CONVERTERS" : "";
+}
+
 using Commands = std::vector<std::vector<int>>;
 
 /// No channel has a sample for so long, and the third has none for twice as long.
@@ -86,6 +121,7 @@ Commands CommandsOf(const RobotConfig& robot, int ticks,
   for (int tick = 0; tick < ticks; ++tick) {
     const bool fresh = tick % robot.timing.ticks_per_sample == 0;
     if (fresh) glove.Next(counts.data(), kChannels);
+    if (fresh && IsMixed(robot)) test::ToMixedConverters(counts.data(), kChannels);
     if (!start_counts.empty() && tick < kAbsentTicks) std::ranges::fill(counts, kNaN);
     if (!start_counts.empty() && tick < 2 * kAbsentTicks) counts[2] = kNaN;
     const Command command = fresh ? controller.Step({.counts = counts}) : controller.Step();
@@ -157,7 +193,8 @@ class EmbeddedController : public testing::TestWithParam<NamedRobot> {};
 
 TEST_P(EmbeddedController, InFloatIsWithinOneCountOfTheOneInDouble) {
   const RobotConfig robot = GetParam().make();
-  const test::ProgramResult result = Firmware(robot).Run(GAUNTLET_CXX, "", kTicks);
+  const test::ProgramResult result =
+      Firmware(robot).Run(GAUNTLET_CXX, "", kTicks, "", ConverterFlag(robot));
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
   const Commands expected = CommandsOf(robot, kTicks);
   const auto moved = [&](const auto& row) { return row[4] != expected[0][4]; };
@@ -173,8 +210,8 @@ TEST_P(EmbeddedController, StartsAndLosesSamplesAsTheOneInDouble) {
   std::vector<std::int32_t> start(kChannels, 512 + 123);
   start[0] = 512 + 87;
   for (std::size_t i = 4; i < start.size(); i += 3) start[i] = 1000;
-  std::string flags =
-      fmt::format("-DABSENT_TICKS={} '-DSTART_COUNTS={}'", kAbsentTicks, fmt::join(start, ","));
+  const std::string flags = fmt::format("-DABSENT_TICKS={} '-DSTART_COUNTS={}'{}", kAbsentTicks,
+                                        fmt::join(start, ","), ConverterFlag(robot));
   constexpr int kStartTicks = 3000;
   const test::ProgramResult result = Firmware(robot).Run(GAUNTLET_CXX, "", kStartTicks, "", flags);
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
@@ -269,7 +306,30 @@ TEST_P(EmbeddedController, OnACortexM4GivesTheSameCommands) {
 
 INSTANTIATE_TEST_SUITE_P(Robots, EmbeddedController,
                          testing::Values(NamedRobot{"SettledKalman", SettledKalman},
-                                         NamedRobot{"Unusual", Unusual}));
+                                         NamedRobot{"Unusual", Unusual},
+                                         NamedRobot{"MixedConverters", MixedConverters}));
+
+TEST(MixedConverters, GiveTheCommandsOfTheSameGloveWithOneConverter) {
+  constexpr int kMixedTicks = 20'000;
+  const std::vector<std::int32_t> start = HalfClosed(kChannels);
+  const Commands expected = CommandsOf(WithoutJumps(), kMixedTicks);
+  EXPECT_EQ(CommandsOf(MixedConverters(), kMixedTicks), expected);
+  EXPECT_EQ(CommandsOf(MixedConverters(), kMixedTicks, start),
+            CommandsOf(WithoutJumps(), kMixedTicks, start));
+  // Glitches at the ends of the converters matter.
+  RobotConfig trusting = WithoutJumps();
+  trusting.controller.untrusted.full_scale = false;
+  EXPECT_NE(CommandsOf(trusting, kMixedTicks), expected);
+
+  const auto embedded = [](const RobotConfig& robot) {
+    return Parse(Firmware(robot)
+                     .Run(GAUNTLET_CXX, "", kMixedTicks, "", ConverterFlag(robot))
+                     .standard_output);
+  };
+  const Commands mixed = embedded(MixedConverters());
+  ASSERT_EQ(mixed.size(), expected.size());
+  EXPECT_LE(DifferencePerTenThousand(mixed, embedded(WithoutJumps())), 30);
+}
 
 TEST(EmbeddedSettings, RefuseWhatTheEmbeddedFormDoesNotHold) {
   const auto complaint = [](const auto& change) {
@@ -329,6 +389,17 @@ TEST(EmbeddedSettings, RefuseWhatTheEmbeddedFormDoesNotHold) {
       complaint([](Robot r) { r.hand.min_counts[0] = -2147483647 - 1; }),
       testing::HasSubstr("transmission.min_counts: motor motor_0: is -2147483648, must be"));
   EXPECT_EQ(complaint([](Robot r) { r.hand.max_counts[3] = 1 << 24; }), "no complaint");
+  EXPECT_EQ(
+      complaint([](Robot r) { r.glove.full_scale_counts = {16777217.0}; }),
+      "calibration.full_scale_counts: channel joint_0: is 16777217, must be from -16777216 to "
+      "16777216 in the embedded form");
+  EXPECT_EQ(complaint([](Robot r) {
+              r.glove.min_counts.assign(kChannels, -16777216.0);
+              r.glove.min_counts[7] = -16777217.0;
+            }),
+            "calibration.min_counts: channel joint_7: is -16777217, must be from -16777216 to "
+            "16777216 in the embedded form");
+  EXPECT_EQ(complaint([](Robot r) { r.glove.min_counts = {-16777216.0}; }), "no complaint");
   EXPECT_EQ(complaint([](Robot r) { r.timing.event_period_ms = 2.5; }),
             "timing.event_period_ms: is 2.5 ticks, must be a whole number in the embedded form");
   EXPECT_EQ(complaint([](Robot r) {

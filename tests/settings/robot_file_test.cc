@@ -41,7 +41,7 @@ RobotConfig Finger() {
                  .high_counts = {920.7, 1e3},
                  .low_angle_rad = {-0.0, -1.0 / 7.0},
                  .high_angle_rad = {1.5707963267948966, 1.6},
-                 .full_scale_counts = 4095.0};
+                 .full_scale_counts = {4095.0}};
   robot.hand = {.joint_names = {"mcp", "pip"},
                 .motor_names = {"m: one", "yes"},
                 .coupling = {1.0 / 3.0, 0.0, 0.77777777777777701, 1.0000000000000093},
@@ -147,6 +147,52 @@ TEST_F(RobotFileTest, GivesBackFiltersByChannel) {
   EXPECT_THAT(
       complaint("channels: [b]", "channels: [c]"),
       HasSubstr("channels: has c, must have numbers from 1 to 2 or names of channels (a, b)"));
+}
+
+/// The finger with a converter of 12 bits and a signed one.
+RobotConfig FingerOfTwoConverters() {
+  RobotConfig robot = Finger();
+  robot.glove.low_counts = {102.30000000000001, -1e3 / 3.0};
+  robot.glove.full_scale_counts = {4095.0, 2047.0};
+  robot.glove.min_counts = {0.0, -2048.0};
+  return robot;
+}
+
+TEST_F(RobotFileTest, GivesBackConvertersByChannel) {
+  const RobotConfig robot = FingerOfTwoConverters();
+  EXPECT_THAT(Values(robot), HasSubstr("  full_scale_counts: [4095, 2047]\n"
+                                       "  min_counts: [0, -2048]\n"));
+  for (const RobotConfig& read : {Read(ToYaml(robot)), Read(Values(robot))}) {
+    EXPECT_EQ(Values(read), Values(robot));
+    EXPECT_EQ(ConvertersOf(read.glove), ConvertersOf(robot.glove));
+    EXPECT_EQ(ConvertersOf(read.glove)[1].min_counts, -2048.0);
+  }
+  // One for all is written as before there were lists.
+  EXPECT_THAT(Values(Finger()), HasSubstr("  full_scale_counts: 4095\n  frame_number_bits: 64\n"));
+  RobotConfig is_signed = Finger();
+  is_signed.glove.min_counts = {-4096.0};
+  EXPECT_THAT(Values(is_signed), HasSubstr("  full_scale_counts: 4095\n  min_counts: -4096\n"));
+  EXPECT_EQ(Values(Read(ToYaml(is_signed))), Values(is_signed));
+}
+
+TEST_F(RobotFileTest, NamesThePlaceOfAWrongConverter) {
+  const std::string key = "full_scale_counts: 4095";
+  EXPECT_THAT(Complaint(key, "full_scale_counts: [4095, 4095, 4095]"),
+              HasSubstr(":22: glove.full_scale_counts: has 3 values, must have 1 for all channels "
+                        "or 2, one for each"));
+  EXPECT_THAT(Complaint(key, key + "\n  min_counts: [0, 4095]"),
+              HasSubstr(":22: glove.full_scale_counts: is 4095 for channel b, must be above its "
+                        "min_counts, 4095, and at most 1000000000"));
+  EXPECT_THAT(Complaint(key, key + "\n  min_counts: [0, -inf]"),
+              HasSubstr(": glove.min_counts[1]: is"));
+  EXPECT_THAT(
+      Complaint(key, key + "\n  min_counts: -1e10"),
+      HasSubstr(":15: glove.min_counts: is -1e+10, must be from -1000000000 to 1000000000"));
+  EXPECT_THAT(Complaint(key, key + "\n  min_counts: []"),
+              HasSubstr(":15: glove.min_counts: has 0 values, must have 1"));
+  EXPECT_THAT(Complaint(key, "full_scale_counts: [4095, 500]"),
+              HasSubstr(": glove: channel b: a pose is at 1000 counts, must be within the "
+                        "converter's range, 0 to 500"));
 }
 
 TEST_F(RobotFileTest, AHandWithAMotorPerJointSaysWhichIsForWhich) {
@@ -262,6 +308,10 @@ TEST(RobotText, GivesBackEveryValueOfEveryKind) {
   RobotConfig robot = FingerWithFiltersByChannel();
   EXPECT_EQ(Values(controller::RobotFromText(ToText(robot))), Values(robot));
   EXPECT_THAT(ToText(robot), HasSubstr("window = 2 3 5"));
+  robot = FingerOfTwoConverters();
+  EXPECT_EQ(Values(controller::RobotFromText(ToText(robot))), Values(robot));
+  EXPECT_THAT(ToText(robot), HasSubstr("\n  full_scale_counts = 2 4095 2047\n"
+                                       "  min_counts = 2 0 -2048\n"));
   robot = Finger();
   robot.glove.channel_names = {"=#\"\\ \t\n7", "\303\244 9\r"};
   robot.joint_map.joints.clear();
@@ -317,6 +367,10 @@ TEST(RobotText, NamesThePlaceOfEveryMistake) {
   // What a Controller cannot be made of, with the keys of the text.
   EXPECT_THAT(complaint("frame_number_bits = 64", "frame_number_bits = 1"),
               testing::StartsWith(LineOf("frame_number_bits") + "glove.frame_number_bits: is 1, "));
+  EXPECT_EQ(complaint("full_scale_counts = 4095", "full_scale_counts = 2 4095 0"),
+            LineOf("full_scale_counts") +
+                "glove.full_scale_counts: is 0 for channel b, must be above its min_counts, 0, and "
+                "at most 1000000000");
   EXPECT_THAT(complaint("center_counts = -7", "center_counts = 99999"),
               testing::ContainsRegex("^line [0-9]+: hand.center_counts: motor"));
 }

@@ -10,7 +10,7 @@ namespace {
 /// A wearer whose joint swings by 30 deg at 1 Hz, and a glove without any error but its counts.
 GloveConfig Swing(const std::string& channel) {
   GloveConfig config;
-  config.converter.bits = 16;
+  config.converter.bits = {16};
   config.noise.kind = WhiteNoiseKind::kNone;
   config.sensor.gain_deviation_percent = 0.0;
   config.sensor.offset_deviation_percent = 0.0;

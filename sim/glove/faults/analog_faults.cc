@@ -36,7 +36,7 @@ void GainChangeFault::Visit(controller::SettingsVisitor& visitor) {
 }
 
 void GainChangeFault::Apply(FaultStrike& strike) const {
-  const double middle = 0.5 * strike.full_scale_counts;
+  const double middle = 0.5 * (strike.converter.min_counts + strike.converter.full_scale_counts);
   strike.stretch() = middle + gain * (strike.stretch().array() - middle);
 }
 

@@ -18,7 +18,8 @@ void LoseValues(FaultStrike& strike) { strike.stretch().setConstant(controller::
 }  // namespace
 
 void SaturatedFault::Apply(FaultStrike& strike) const {
-  strike.stretch().setConstant(strike.random.Bits() >> 63 ? strike.full_scale_counts : 0.0);
+  strike.stretch().setConstant(strike.random.Bits() >> 63 ? strike.converter.full_scale_counts
+                                                          : strike.converter.min_counts);
 }
 
 void StuckFault::Apply(FaultStrike& strike) const { RepeatTheValueBefore(strike); }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "controller/sample_guard_config.h"
 #include "controller/settings.h"
 #include "sim/base/random.h"
 
@@ -42,12 +43,12 @@ struct FaultStrike {
   Eigen::Index begin;
   Eigen::Index end;
   double rate_hz;
-  double full_scale_counts;
+  controller::ConverterRange converter;
   RandomStream& random;  // of this fault alone
 
   auto stretch() { return column.segment(begin, end - begin); }
   /// Amplitudes are given in counts of a 10-bit converter; this one's counts.
-  double ScaledCounts(double counts) const { return counts * full_scale_counts / 1023.0; }
+  double ScaledCounts(double counts) const { return counts * converter.span_counts() / 1023.0; }
 };
 
 }  // namespace gauntlet::sim

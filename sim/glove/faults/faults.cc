@@ -80,8 +80,9 @@ std::vector<FaultEvent> DrawFaults(const std::vector<FaultConfig>& faults, int s
   return all;
 }
 
-void ApplyFaults(FaultStage stage, const std::vector<FaultConfig>& faults, double full_scale_counts,
-                 double rate_hz, std::uint64_t seed, Signal& counts) {
+void ApplyFaults(FaultStage stage, const std::vector<FaultConfig>& faults,
+                 std::span<const controller::ConverterRange> converters, double rate_hz,
+                 std::uint64_t seed, Signal& counts) {
   for (std::size_t number = 0; number < faults.size(); ++number) {
     const FaultNature nature = faults[number].nature();
     if (nature.stage != stage) continue;
@@ -97,7 +98,7 @@ void ApplyFaults(FaultStage stage, const std::vector<FaultConfig>& faults, doubl
                          .begin = event.begin,
                          .end = event.end,
                          .rate_hz = rate_hz,
-                         .full_scale_counts = full_scale_counts,
+                         .converter = converters[static_cast<std::size_t>(event.channel)],
                          .random = random};
       std::visit([&strike](const auto& fault) { fault.Apply(strike); }, faults[number].settings);
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -25,8 +26,10 @@ std::vector<FaultEvent> DrawFaults(const std::vector<FaultConfig>& faults, int s
                                    double rate_hz, std::uint64_t seed);
 
 /// Applies the faults of one stage, each where DrawFaults says, to `counts`, samples x channels.
+/// `converters`: one per channel.
 /// Errors: those of DrawFaults.
-void ApplyFaults(FaultStage stage, const std::vector<FaultConfig>& faults, double full_scale_counts,
-                 double rate_hz, std::uint64_t seed, Signal& counts);
+void ApplyFaults(FaultStage stage, const std::vector<FaultConfig>& faults,
+                 std::span<const controller::ConverterRange> converters, double rate_hz,
+                 std::uint64_t seed, Signal& counts);
 
 }  // namespace gauntlet::sim

@@ -16,6 +16,7 @@
 #include "sim/glove/motions/recorded_reference.h"
 #include "sim/glove/motions/recording_mask.h"
 #include "sim/glove/motions/settings_of_motions.h"
+#include "sim/glove/sensor/bend_sensor.h"
 #include "sim/recordings/recording.h"
 #include "sim/recordings/table_source.h"
 
@@ -34,8 +35,7 @@ RecordingFormat FormatOf(const RecordedMotionConfig& config, const MotionContext
   format.handling = config.problems;
   format.longest_gap_ms = config.longest_gap_ms;
   format.repair_budget_percent = config.repair_budget_percent;
-  format.low_counts = context.sensor.low_counts(context.converter.full_scale_counts());
-  format.high_counts = context.sensor.high_counts(context.converter.full_scale_counts());
+  format.nominal = NominalCountsOf(context.sensor, context.converter);
   return format;
 }
 

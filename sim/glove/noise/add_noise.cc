@@ -21,6 +21,11 @@ namespace {
 // The full scale in whose counts noise is given, see NoiseConfig.
 constexpr double kNoiseFullScaleCounts = 1023.0;
 
+/// Counts of a channel's converter per count in which noise is given.
+double NoiseScale(const ConverterConfig& converter, Eigen::Index channel) {
+  return converter.range(static_cast<std::size_t>(channel)).span_counts() / kNoiseFullScaleCounts;
+}
+
 void AddWhite(const NoiseConfig& config, RandomStream& random, double deviation,
               std::span<double> signal) {
   if (config.kind == WhiteNoiseKind::kBoxMuller) AddBoxMuller(random, deviation, signal);
@@ -30,12 +35,18 @@ void AddWhite(const NoiseConfig& config, RandomStream& random, double deviation,
 }
 
 /// Correlated white noise: independent normal numbers times the Cholesky factor of the covariance.
-void AddCorrelated(const NoiseConfig& config, double scale, std::uint64_t seed, Signal& counts) {
+void AddCorrelated(const NoiseConfig& config, const ConverterConfig& converter, std::uint64_t seed,
+                   Signal& counts) {
   const auto channels = static_cast<Eigen::Index>(config.covariance_channels());
-  const Eigen::Map<const Eigen::MatrixXd> covariance(config.covariance_counts2.data(), channels,
-                                                     channels);
-  const Eigen::MatrixXd factor =
-      Eigen::LLT<Eigen::MatrixXd>(covariance * (config.variance_scale * scale * scale)).matrixL();
+  Eigen::MatrixXd covariance =
+      Eigen::Map<const Eigen::MatrixXd>(config.covariance_counts2.data(), channels, channels);
+  for (Eigen::Index i = 0; i < channels; ++i) {
+    for (Eigen::Index j = 0; j < channels; ++j) {
+      covariance(i, j) *=
+          config.variance_scale * NoiseScale(converter, i) * NoiseScale(converter, j);
+    }
+  }
+  const Eigen::MatrixXd factor = Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL();
   std::vector<RandomStream> random;
   for (Eigen::Index c = 0; c < channels; ++c) {
     random.emplace_back(seed, "noise/white", static_cast<std::uint64_t>(c));
@@ -86,8 +97,7 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
   format.longest_gap_ms = config.recording_longest_gap_ms;
   format.repair_budget_percent = 100.0;  // of noise, any part will do
   format.keeps_to_range = false;         // only its noise is wanted
-  format.low_counts = sensor.low_counts(converter.full_scale_counts());
-  format.high_counts = sensor.high_counts(converter.full_scale_counts());
+  format.nominal = NominalCountsOf(sensor, converter);
   // No more of the file than the signal can use, and a little for the smoothing at its end.
   const double duration_s = static_cast<double>(counts.rows()) / rate_hz + 1.0;
   const Recording recording = LoadRecording(config.recording, format, 0.0, duration_s);
@@ -102,7 +112,7 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
     SmoothZeroPhase(config.recording_smoothing_hz, rate_hz, smooth);
     const Channel& joint = KnownChannels()[static_cast<std::size_t>(c)];
     const double counts_per_rad = 0.01 * (sensor.high_percent - sensor.low_percent) *
-                                  converter.full_scale_counts() /
+                                  converter.range(static_cast<std::size_t>(c)).span_counts() /
                                   ((joint.max_deg - joint.min_deg) * kRadPerDeg);
     std::vector<double> noise;
     for (std::size_t i = 0; i < samples; ++i) {
@@ -120,7 +130,7 @@ void AddRecordedNoise(const NoiseConfig& config, const SensorConfig& sensor,
 }  // namespace
 
 double VarianceOfNoise(const NoiseConfig& config, const ConverterConfig& converter, int channel) {
-  const double scale = converter.full_scale_counts() / kNoiseFullScaleCounts;
+  const double scale = NoiseScale(converter, channel);
   const double white = config.kind == WhiteNoiseKind::kNone ? 0.0 : config.VarianceCounts2(channel);
   const double hum = 0.5 * config.mains_amplitude_counts * config.mains_amplitude_counts;
   return scale * scale * (white + config.pink_variance_counts2 + hum);
@@ -129,12 +139,12 @@ double VarianceOfNoise(const NoiseConfig& config, const ConverterConfig& convert
 void AddNoise(const NoiseConfig& config, const SensorConfig& sensor,
               const ConverterConfig& converter, double rate_hz, std::uint64_t seed, Signal& counts,
               std::vector<std::string>& remarks) {
-  const double scale = converter.full_scale_counts() / kNoiseFullScaleCounts;
   const bool correlated =
       config.kind != WhiteNoiseKind::kNone && !config.covariance_counts2.empty();
-  if (correlated) AddCorrelated(config, scale, seed, counts);
+  if (correlated) AddCorrelated(config, converter, seed, counts);
   for (Eigen::Index c = 0; c < counts.cols(); ++c) {
     const std::span<double> signal(counts.col(c).data(), static_cast<std::size_t>(counts.rows()));
+    const double scale = NoiseScale(converter, c);
     const auto stream = [&](std::string_view purpose) {
       return RandomStream(seed, purpose, static_cast<std::uint64_t>(c));
     };

@@ -120,8 +120,10 @@ SensorParameters DrawSensor(const SensorConfig& config, std::uint64_t seed) {
 }
 
 Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
-                 const Signal& angle_rad, double rate_hz, double full_scale_counts) {
-  GAUNTLET_ASSERT(rate_hz > 0.0 && angle_rad.cols() <= std::ssize(sensor.gain));
+                 const Signal& angle_rad, double rate_hz,
+                 std::span<const controller::ConverterRange> converters) {
+  GAUNTLET_ASSERT(rate_hz > 0.0 && angle_rad.cols() <= std::ssize(sensor.gain) &&
+                  angle_rad.cols() <= std::ssize(converters));
   GAUNTLET_ASSERT(sensor.drift_share.size() == sensor.gain.size() &&
                   sensor.offset_share.size() == sensor.gain.size());
   Signal bend(angle_rad.rows(), angle_rad.cols());
@@ -137,19 +139,19 @@ Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
     TrimSignals();
   }
   AddCrossTalk(sensor.cross_talk, bend);
-  const double low = 0.01 * config.low_percent * full_scale_counts;
-  const double span = 0.01 * (config.high_percent - config.low_percent) * full_scale_counts;
   for (Eigen::Index c = 0; c < bend.cols(); ++c) {
     const auto channel = static_cast<std::size_t>(c);
+    const double scale = converters[channel].span_counts();
+    const double low = config.low_counts(converters[channel]);
+    const double span = 0.01 * (config.high_percent - config.low_percent) * scale;
     const double gain = sensor.gain[channel];
     const double bow = 4.0 * sensor.curvature_share[channel];
-    const double start =
-        low + span * (0.5 - 0.5 * gain) + sensor.offset_share[channel] * full_scale_counts;
+    const double start = low + span * (0.5 - 0.5 * gain) + sensor.offset_share[channel] * scale;
     const auto b = bend.col(c).array();
     bend.col(c) = start + span * (b * (gain + bow * (1.0 - b)));
     TrimSignals();
     if (sensor.drift_share[channel] == 0.0) continue;
-    const double drift = sensor.drift_share[channel] * full_scale_counts;
+    const double drift = sensor.drift_share[channel] * scale;
     for (Eigen::Index i = 0; i < bend.rows(); ++i) {
       bend(i, c) -= drift * std::expm1(-static_cast<double>(i) / rate_hz / config.drift_time_s);
     }
@@ -158,13 +160,24 @@ Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
 }
 
 Signal SenseBendNominal(const SensorConfig& config, const Signal& angle_rad,
-                        double full_scale_counts) {
+                        std::span<const controller::ConverterRange> converters) {
   SensorConfig nominal;
   nominal.low_percent = config.low_percent;
   nominal.high_percent = config.high_percent;
   nominal.hysteresis_deg = 0.0;
   nominal.lag_ms = 0.0;
-  return SenseBend(nominal, NominalSensor(), angle_rad, 1000.0, full_scale_counts);
+  return SenseBend(nominal, NominalSensor(), angle_rad, 1000.0, converters);
+}
+
+std::vector<NominalCounts> NominalCountsOf(const SensorConfig& config,
+                                           const ConverterConfig& converter) {
+  std::vector<NominalCounts> nominal;
+  for (const controller::ConverterRange& range : converter.ranges()) {
+    nominal.push_back({.min_counts = range.min_counts,
+                       .low_counts = config.low_counts(range),
+                       .high_counts = config.high_counts(range)});
+  }
+  return nominal;
 }
 
 }  // namespace gauntlet::sim

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sim/base/signal.h"
+#include "sim/glove/sensor/converter.h"
 #include "sim/glove/sensor/sensor_config.h"
+#include "sim/recordings/column_scale.h"
 
 namespace gauntlet::sim {
 
@@ -29,13 +32,18 @@ struct SensorParameters {
 SensorParameters NominalSensor();
 SensorParameters DrawSensor(const SensorConfig& config, std::uint64_t seed);
 
-/// Analog output of all sensors [counts of a converter with this full scale, not rounded].
+/// Analog output of all sensors [counts of each channel's converter, not rounded].
 /// Shapes: samples x channels.
 Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
-                 const Signal& angle_rad, double rate_hz, double full_scale_counts);
+                 const Signal& angle_rad, double rate_hz,
+                 std::span<const controller::ConverterRange> converters);
 
 /// The straight line alone: what the nominal sensor gives.
 Signal SenseBendNominal(const SensorConfig& config, const Signal& angle_rad,
-                        double full_scale_counts);
+                        std::span<const controller::ConverterRange> converters);
+
+/// The nominal sensor's counts of each channel of KnownChannels().
+std::vector<NominalCounts> NominalCountsOf(const SensorConfig& config,
+                                           const ConverterConfig& converter);
 
 }  // namespace gauntlet::sim

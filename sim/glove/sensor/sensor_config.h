@@ -1,5 +1,6 @@
 #pragma once
 
+#include "controller/sample_guard_config.h"
 #include "controller/settings.h"
 
 namespace gauntlet::sim {
@@ -37,11 +38,11 @@ struct SensorConfig {
   double drift_time_s = 120.0;
 
   /// What the nominal sensor gives at the ends of a joint's range.
-  double low_counts(double full_scale_counts) const {
-    return 0.01 * low_percent * full_scale_counts;
+  double low_counts(const controller::ConverterRange& range) const {
+    return range.min_counts + 0.01 * low_percent * range.span_counts();
   }
-  double high_counts(double full_scale_counts) const {
-    return 0.01 * high_percent * full_scale_counts;
+  double high_counts(const controller::ConverterRange& range) const {
+    return range.min_counts + 0.01 * high_percent * range.span_counts();
   }
 
   void Visit(controller::SettingsVisitor& visitor);
