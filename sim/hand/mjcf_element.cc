@@ -27,6 +27,14 @@ void BlankComments(std::string& text) {
 }
 
 /// What the callbacks of the parser build. They must not throw.
+/// Newer releases of expat deprecate this function for one of 64 bits, which older ones lack.
+int LineOf(XML_Parser parser) {
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
+  return static_cast<int>(XML_GetCurrentLineNumber(parser));
+#pragma GCC diagnostic pop
+}
+
 struct Builder {
   XML_Parser parser;
   const std::filesystem::path& file;
@@ -40,7 +48,7 @@ struct Builder {
     if (!self.open.empty()) element = &self.open.back()->children.emplace_back();
     element->name = name;
     element->file = self.file;
-    element->line = static_cast<int>(XML_GetCurrentLineNumber(self.parser));
+    element->line = LineOf(self.parser);
     for (; *attributes != nullptr; attributes += 2) {
       element->attributes.emplace_back(attributes[0], attributes[1]);
     }
@@ -123,7 +131,7 @@ MjcfElement ReadMjcf(const std::filesystem::path& file) {
   if (XML_Parse(parser.get(), text.data(), static_cast<int>(text.size()), XML_TRUE) !=
       XML_STATUS_OK) {
     throw UserError(
-        {.place = fmt::format("{}:{}", file.string(), XML_GetCurrentLineNumber(parser.get())),
+        {.place = fmt::format("{}:{}", file.string(), LineOf(parser.get())),
          .problem =
              builder.has_doctype
                  ? std::string("DOCTYPE is not allowed in a model")
