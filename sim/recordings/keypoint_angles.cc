@@ -61,18 +61,11 @@ bool IsOnePoint(const HandPoints& points) {
 
 /// Frames that are no measurement.
 std::vector<bool> LostFrames(const std::vector<HandPoints>& points) {
-  constexpr std::size_t kMostRepeats = 5;  // a slow tracker that is polled repeats some
   std::vector<bool> is_lost(points.size());
-  std::size_t first = 0;  // of equal frames
   for (std::size_t k = 0; k < points.size(); ++k) {
     is_lost[k] = !points[k].allFinite() || IsOnePoint(points[k]);
-    if (k > 0 && points[k] != points[k - 1]) first = k;
-    if (is_lost[k] || k - first != kMostRepeats) {
-      is_lost[k] = is_lost[k] || k - first > kMostRepeats;
-      continue;
-    }
-    for (std::size_t i = first + 1; i <= k; ++i) is_lost[i] = true;
   }
+  MarkRepeats([&](std::size_t k) { return points[k] == points[k - 1]; }, is_lost);
   return is_lost;
 }
 
@@ -321,6 +314,16 @@ Eigen::MatrixX4d AnglesOfThumb(const PlacedHand& hand) {
 }
 
 }  // namespace
+
+void MarkRepeats(const std::function<bool(std::size_t)>& has_same, std::vector<bool>& is_lost) {
+  constexpr std::size_t kMostRepeats = 5;  // a slow tracker that is polled repeats some
+  std::size_t first = 0;                   // of equal frames
+  for (std::size_t k = 1; k < is_lost.size(); ++k) {
+    if (!has_same(k)) first = k;
+    if (k - first < kMostRepeats) continue;
+    for (std::size_t i = k - first > kMostRepeats ? k : first + 1; i <= k; ++i) is_lost[i] = true;
+  }
+}
 
 PlacedHand PlaceHand(std::vector<HandPoints> points, double unit_m) {
   PlacedHand hand;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +27,10 @@ struct PlacedHand {
   std::string_view unit = {};   // of the file: m, cm or mm
   bool is_left = false;         // by the side to which the fingers bend
 };
+
+/// Marks frames that repeat the one before for more than 5 frames, as a tracker does that has lost
+/// the hand. `has_same(k)` says whether frame k has the values of frame k - 1; k > 0.
+void MarkRepeats(const std::function<bool(std::size_t)>& has_same, std::vector<bool>& is_lost);
 
 /// Finds the unit by the size of the hand, 0.10 to 0.30 m from the wrist to the tip of the middle
 /// finger, unless `unit_m` is given (0: it is not). Finds the palm by the side to which the fingers

@@ -27,7 +27,9 @@ constexpr std::array<std::string_view, kDigitsOfHand> kDigitNames = {"thumb", "i
 enum class CalledJoint { kNone, kWrist, kHand, kOther, kBase, kMcp, kPip, kIp, kDip, kTip };
 
 /// What a column holds of a joint.
-enum class Part { kPosition, kRadius, kConfidence, kOther };
+enum class Part { kPosition, kRadius, kConfidence, kRotation, kOther };
+
+using Space = RotationColumns::Space;
 
 /// The name of a column, taken apart.
 struct ColumnParts {
@@ -37,9 +39,11 @@ struct ColumnParts {
   CalledJoint joint = CalledJoint::kNone;
   int number = -1;  // of the joint, where it has one and no name
   Part part = Part::kOther;
-  int component = -1;  // 0 to 2 by an axis
+  int component = -1;  // 0 to 2 by an axis, of a rotation 0 to 3 for w, x, y, z
   int place = -1;      // by a number, as it is in the name
   double unit_m = 0.0;
+  Space space = Space::kUnknown;
+  bool has_openxr_word = false;
 };
 
 constexpr std::string_view kRotations =
@@ -68,8 +72,80 @@ int AxisOf(std::string_view word) {
   return word.size() == 1 && word[0] >= 'x' && word[0] <= 'z' ? word[0] - 'x' : -1;
 }
 
+/// What names a component of a quaternion: `qw`, `w`, `rot_w`, `qw5`.
+struct QuaternionComponent {
+  int component = -1;  // 0 to 3 for w, x, y, z; -1: none
+  std::string prefix;
+  int number = -1;  // of the joint, behind it
+};
+
+/// Removes it from the words.
+QuaternionComponent TakeQuaternionComponent(NameWords& words) {
+  constexpr std::string_view kComponents = "wxyz";
+  if (words.empty()) return {};
+  const bool is_numbered = words.size() >= 2 && NumberIn(words.back()) >= 0;
+  const auto last = words.end() - (is_numbered ? 2 : 1);
+  QuaternionComponent taken;
+  for (const std::string_view prefix : {"quat", "rot", "ori", "q", "r"}) {
+    if (last->size() == prefix.size() + 1 && last->starts_with(prefix)) taken.prefix = prefix;
+  }
+  const std::size_t place = kComponents.find(last->back());
+  if (last->size() != taken.prefix.size() + 1 || place == std::string_view::npos) return {};
+  taken.component = static_cast<int>(place);
+  if (is_numbered) taken.number = NumberIn(words.back());
+  words.erase(last, words.end());
+  return taken;
+}
+
+/// Component of each column that is one of the four of a quaternion; -1: none.
+std::vector<int> QuaternionComponents(const std::vector<std::string>& names) {
+  std::vector<int> components;
+  std::vector<std::string> rests;
+  std::map<std::string, std::set<int>> found;
+  for (const std::string& name : names) {
+    NameWords words = WordsOf(name);
+    const bool is_other = HasWordOf(words, "euler vel velocity acc acceleration angular gyro");
+    const QuaternionComponent taken =
+        is_other ? QuaternionComponent() : TakeQuaternionComponent(words);
+    components.push_back(taken.component);
+    rests.push_back(fmt::format("{} {} {}", fmt::join(words, " "), taken.prefix, taken.number));
+    if (taken.component >= 0) found[rests.back()].insert(taken.component);
+  }
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    if (components[c] >= 0 && found[rests[c]].size() < 4) components[c] = -1;
+  }
+  return components;
+}
+
+/// Removes the component of a rotation, and what the name says of it.
+void TakeRotation(NameWords& words, int component, ColumnParts& parts) {
+  parts.part = Part::kRotation;
+  if (component >= 0) {
+    parts.component = component;
+    parts.number = TakeQuaternionComponent(words).number;
+  } else {
+    parts.place = NumberIn(words.back());
+    words.pop_back();
+  }
+  constexpr std::string_view kLocal = "local relative parent";
+  constexpr std::string_view kWorld = "world global absolute";
+  if (HasWordOf(words, kLocal)) parts.space = Space::kLocal;
+  if (HasWordOf(words, kWorld)) parts.space = Space::kWorld;
+  std::erase_if(words, [](const std::string& word) {
+    return IsWordOf(kLocal, word) || IsWordOf(kWorld, word) || IsWordOf(kRotations, word);
+  });
+}
+
 /// Removes the axis, or the number of the value, and says of what.
-void TakeComponent(NameWords& words, ColumnParts& parts) {
+void TakeComponent(NameWords& words, int quaternion_component, ColumnParts& parts) {
+  const bool is_place_of_quaternion =
+      words.size() >= 2 && NumberIn(words.back()) >= 0 &&
+      HasWordOf(words, "rot rotation quat quaternion orientation") &&
+      !HasWordOf(words, "euler vel velocity acc acceleration angular gyro angle");
+  if (quaternion_component >= 0 || is_place_of_quaternion) {
+    TakeRotation(words, quaternion_component, parts);
+    return;
+  }
   if (HasWordOf(words, kRotations)) return;
   if (HasWordOf(words, "radius")) {
     parts.part = Part::kRadius;
@@ -144,7 +220,7 @@ void TakeJoint(NameWords& words, ColumnParts& parts) {
   }
 }
 
-ColumnParts PartsOfColumn(const std::string& name) {
+ColumnParts PartsOfColumn(const std::string& name, int quaternion_component) {
   // Words that some joints of a skeleton have and others do not.
   static constexpr std::string_view kNeutral =
       "finger fingers phalanx joint joints bone xr hand hands base pos position positions "
@@ -152,7 +228,8 @@ ColumnParts PartsOfColumn(const std::string& name) {
   NameWords words = WordsOf(name);
   ColumnParts parts;
   parts.unit_m = TakeUnit(words);
-  TakeComponent(words, parts);
+  parts.has_openxr_word = HasWordOf(words, "intermediate");
+  TakeComponent(words, quaternion_component, parts);
   std::erase_if(words, [](const std::string& word) {
     return IsWordOf("pos position positions translation location", word);
   });
@@ -239,27 +316,35 @@ struct FoundHand {
   std::vector<std::string> missing = {};
 };
 
-std::optional<FoundHand> NamedHand(const GroupKey& key, const std::vector<NamedColumn>& group) {
-  FoundHand hand{.columns = {.hand = key.first, .skeleton = "by name"}, .stem = key.second};
-  std::array<std::set<CalledJoint>, kDigitsOfHand> called;
+/// What the joints of a group are called.
+struct CalledJoints {
+  std::array<std::set<CalledJoint>, kDigitsOfHand> of_digit = {};
   bool has_wrist = false;
-  for (const NamedColumn& column : group) {
-    has_wrist = has_wrist || column.parts.joint == CalledJoint::kWrist;
-    if (column.parts.digit >= 0) {
-      called[static_cast<std::size_t>(column.parts.digit)].insert(column.parts.joint);
+
+  explicit CalledJoints(const std::vector<NamedColumn>& group) {
+    for (const NamedColumn& column : group) {
+      has_wrist = has_wrist || column.parts.joint == CalledJoint::kWrist;
+      if (column.parts.digit < 0) continue;
+      of_digit[static_cast<std::size_t>(column.parts.digit)].insert(column.parts.joint);
     }
   }
-  const bool is_manus = called[1].contains(CalledJoint::kIp);
-  const CalledJoint wrist = has_wrist  ? CalledJoint::kWrist
-                            : is_manus ? CalledJoint::kHand  // elsewhere it may be the palm
-                                       : CalledJoint::kNone;
+  bool IsManus() const { return of_digit[1].contains(CalledJoint::kIp); }
+};
+
+std::optional<FoundHand> NamedHand(const GroupKey& key, const std::vector<NamedColumn>& group) {
+  FoundHand hand{.columns = {.hand = key.first, .skeleton = "by name"}, .stem = key.second};
+  const CalledJoints called(group);
+  const bool is_manus = called.IsManus();
+  const CalledJoint wrist = called.has_wrist ? CalledJoint::kWrist
+                            : is_manus       ? CalledJoint::kHand  // elsewhere it may be the palm
+                                             : CalledJoint::kNone;
   std::map<int, std::vector<NamedColumn>> columns_of;
   for (const NamedColumn& column : group) {
     hand.columns.all.push_back(column.column);
     if (column.parts.joint == wrist) columns_of[0].push_back(column);
     if (column.parts.digit < 0) continue;
     const auto joints =
-        JointsOf(column.parts.digit, called[static_cast<std::size_t>(column.parts.digit)]);
+        JointsOf(column.parts.digit, called.of_digit[static_cast<std::size_t>(column.parts.digit)]);
     const auto joint = joints.find(column.parts.joint);
     if (joint == joints.end()) continue;
     columns_of[KeypointOf(column.parts.digit, joint->second)].push_back(column);
@@ -374,6 +459,116 @@ std::optional<FoundHand> NamelessHand(std::size_t columns) {
   return std::nullopt;
 }
 
+// --- Rotations -----------------------------------------------------------------------------------
+
+/// Columns of the quaternion of one bone; none if a component is missing or there twice.
+std::optional<std::array<std::size_t, 4>> QuaternionIn(const std::vector<NamedColumn>& columns) {
+  std::array<std::size_t, 4> quaternion = {};
+  std::map<int, std::size_t> by_place;
+  for (const NamedColumn& column : columns) {
+    by_place.emplace(std::max(column.parts.component, column.parts.place), column.column);
+  }
+  if (columns.size() != 4 || by_place.size() != 4) return std::nullopt;
+  const int first = by_place.begin()->first;
+  if (first > 1 || by_place.rbegin()->first - first != 3) return std::nullopt;
+  for (const auto& [place, column] : by_place)
+    quaternion[static_cast<std::size_t>(place - first)] = column;
+  return quaternion;
+}
+
+/// The rotations of a hand whose bones have the columns; none if one that angles need is missing.
+std::optional<FoundHand> TurnedHand(const GroupKey& key, const std::vector<NamedColumn>& group,
+                                    const std::map<int, std::vector<NamedColumn>>& columns_of) {
+  FoundHand hand{.columns = {.hand = key.first, .skeleton = "by name"}, .stem = key.second};
+  RotationColumns& rotations = hand.columns.rotations.emplace();
+  for (const NamedColumn& column : group) hand.columns.all.push_back(column.column);
+  bool any_local = false;
+  for (const auto& [bone, columns] : columns_of) {
+    for (const NamedColumn& column : columns) {
+      any_local = any_local || column.parts.space == Space::kLocal;
+    }
+  }
+  for (const auto& [bone, columns] : columns_of) {
+    std::vector<NamedColumn> of_bone = columns;
+    if (any_local) {  // beside others
+      std::erase_if(of_bone, [](const NamedColumn& c) { return c.parts.space != Space::kLocal; });
+    }
+    auto& quaternion = rotations.bone[static_cast<std::size_t>(bone)];
+    quaternion = QuaternionIn(of_bone);
+    if (!quaternion) continue;
+    const ColumnParts& parts = of_bone.front().parts;
+    rotations.has_component_names = parts.component >= 0;
+    rotations.has_openxr_names = rotations.has_openxr_names || parts.has_openxr_word;
+    rotations.space = parts.space;
+  }
+  for (int digit = 0; digit < kDigitsOfHand; ++digit) {
+    for (int bone = digit == 0 ? 0 : 1; bone < kBonesOfDigit; ++bone) {
+      const bool is_needed = digit > 0 || bone != 2;
+      const auto place = static_cast<std::size_t>(TurnedBone(digit, bone));
+      if (is_needed && !rotations.bone[place]) return std::nullopt;
+    }
+  }
+  return hand;
+}
+
+std::optional<FoundHand> NamedTurnedHand(const GroupKey& key,
+                                         const std::vector<NamedColumn>& group) {
+  const CalledJoints called(group);
+  const CalledJoint wrist = called.has_wrist ? CalledJoint::kWrist : CalledJoint::kHand;
+  const CalledJoint metacarpal = called.IsManus() ? CalledJoint::kMcp : CalledJoint::kBase;
+  std::map<int, std::vector<NamedColumn>> columns_of;
+  for (const NamedColumn& column : group) {
+    const ColumnParts& parts = column.parts;
+    if (parts.part != Part::kRotation) continue;
+    if (parts.joint == wrist) columns_of[0].push_back(column);
+    if (parts.digit < 0) continue;
+    if (parts.digit > 0 && parts.joint == metacarpal) {
+      columns_of[TurnedBone(parts.digit, 0)].push_back(column);
+      continue;
+    }
+    const auto joints =
+        JointsOf(parts.digit, called.of_digit[static_cast<std::size_t>(parts.digit)]);
+    const auto joint = joints.find(parts.joint);
+    if (joint == joints.end() || joint->second == kJointsOfDigit - 1) continue;
+    const bool is_distal_of_thumb = parts.digit == 0 && joint->second == 2;
+    const int bone = parts.digit > 0 || is_distal_of_thumb ? joint->second + 1 : joint->second;
+    columns_of[TurnedBone(parts.digit, bone)].push_back(column);
+  }
+  auto hand = TurnedHand(key, group, columns_of);
+  if (hand && called.IsManus()) hand->columns.skeleton = "by name, as Manus names them";
+  return hand;
+}
+
+/// Of 25 to 27 joints with metacarpals, which are numbered from 0 or 1.
+std::optional<FoundHand> NumberedTurnedHand(const GroupKey& key,
+                                            const std::vector<NamedColumn>& group) {
+  std::map<int, std::vector<NamedColumn>> columns_at;
+  for (const NamedColumn& column : group) {
+    if (column.parts.part == Part::kRotation) columns_at[column.parts.number].push_back(column);
+  }
+  const std::vector<int> order = OrderOf(columns_at.size());
+  if (order.empty() || columns_at.size() == kKeypoints) return std::nullopt;
+  const int first = columns_at.begin()->first;
+  if (first > 1 || columns_at.rbegin()->first - first + 1 != std::ssize(columns_at)) {
+    return std::nullopt;
+  }
+  std::map<int, std::vector<NamedColumn>> columns_of;
+  columns_of[0] = columns_at[first + order[0]];
+  for (int digit = 0; digit < kDigitsOfHand; ++digit) {
+    const int base = first + order[static_cast<std::size_t>(KeypointOf(digit, 0))];
+    for (int bone = 0; bone < kBonesOfDigit; ++bone) {
+      if (digit == 0 && bone == 2) continue;
+      const int joint = digit > 0 ? bone - 1 : bone == 3 ? 2 : bone;
+      columns_of[TurnedBone(digit, bone)] = columns_at[base + joint];
+    }
+  }
+  auto hand = TurnedHand(key, group, columns_of);
+  if (!hand) return std::nullopt;
+  hand->columns.skeleton = SkeletonOf(columns_at.size());
+  hand->columns.rotations->has_openxr_names = true;
+  return hand;
+}
+
 // --- Hands ---------------------------------------------------------------------------------------
 
 std::vector<FoundHand> HandsOf(const std::vector<ColumnParts>& columns) {
@@ -396,6 +591,9 @@ std::vector<FoundHand> HandsOf(const std::vector<ColumnParts>& columns) {
   for (const auto& [key, group] : named) add(NamedHand(key, group));
   for (const auto& [key, group] : numbered) add(NumberedHand(key, group));
   for (const auto& [key, group] : flat) add(FlatHandOf(key, group));
+  if (!hands.empty()) return hands;
+  for (const auto& [key, group] : named) add(NamedTurnedHand(key, group));
+  for (const auto& [key, group] : numbered) add(NumberedTurnedHand(key, group));
   return hands;
 }
 
@@ -442,7 +640,7 @@ std::string KeypointName(int keypoint) {
                      digit == 0 ? kThumb[place] : kFinger[place]);
 }
 
-KeypointLayout FindKeypoints(const std::vector<std::string>& names) {
+KeypointLayout FindKeypoints(const std::vector<std::string>& names, Quaternions quaternions) {
   KeypointLayout layout;
   const bool is_nameless =
       std::ranges::all_of(names, [](const std::string& name) { return name.empty(); });
@@ -451,7 +649,11 @@ KeypointLayout FindKeypoints(const std::vector<std::string>& names) {
     return layout;
   }
   std::vector<ColumnParts> columns;
-  for (const std::string& name : names) columns.push_back(PartsOfColumn(name));
+  std::vector<int> quaternion_component(names.size(), -1);
+  if (quaternions == Quaternions::kTaken) quaternion_component = QuaternionComponents(names);
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    columns.push_back(PartsOfColumn(names[c], quaternion_component[c]));
+  }
   std::vector<FoundHand> hands = HandsOf(columns);
   PreferWorld(hands);
   const bool any_whole =

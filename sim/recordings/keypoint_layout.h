@@ -19,6 +19,22 @@ constexpr int KeypointOf(int digit, int joint) { return 1 + kJointsOfDigit * dig
 /// `wrist`, `thumb_cmc`, `index_mcp`, `index_tip` ..
 std::string KeypointName(int keypoint);
 
+/// Rotations of bones: the hand (the wrist's), then four bones of each digit, metacarpal, proximal,
+/// middle and distal. A thumb has no middle one.
+inline constexpr int kTurnedBones = 21;
+inline constexpr int kBonesOfDigit = 4;
+constexpr int TurnedBone(int digit, int bone) { return 1 + kBonesOfDigit * digit + bone; }
+
+/// Columns of the unit quaternions of a hand's bones.
+struct RotationColumns {
+  enum class Space { kUnknown, kLocal, kWorld };
+  /// w, x, y, z; as they are numbered, if the names do not tell the components.
+  std::array<std::optional<std::array<std::size_t, 4>>, kTurnedBones> bone = {};
+  bool has_component_names = false;
+  Space space = Space::kUnknown;  // relative to the parent bone or to the world, by the names
+  bool has_openxr_names = false;
+};
+
 /// Columns of the keypoints of one hand in a table.
 struct KeypointColumns {
   std::string hand;      // left or right, by the names; empty: they do not tell
@@ -29,6 +45,7 @@ struct KeypointColumns {
   std::vector<std::size_t> all = {};  // of this hand, with rotations and other joints
   double unit_m = 0.0;                // of the positions, by the names; 0: they do not tell
   bool is_named = true;  // false: by the number of the columns, so the geometry has to agree
+  std::optional<RotationColumns> rotations = {};  // instead of positions
 };
 
 /// Keypoints that the names of a table tell.
@@ -36,6 +53,9 @@ struct KeypointLayout {
   std::vector<KeypointColumns> hands;  // none: no keypoints, or a problem
   std::string problem;                 // why a table that has keypoints is not read
 };
+
+/// Whether columns that differ in w, x, y and z only are those of a quaternion, or of a point.
+enum class Quaternions { kTaken, kLeft };
 
 /// Finds the keypoints of hands by the names of columns: a joint and an axis, a number and an axis,
 /// or numbers alone. Known are
@@ -53,8 +73,14 @@ struct KeypointLayout {
 /// WebXR write it; the translation has the places 13 to 15). A unit behind the axis (_m, _cm, _mm)
 /// is that of the column. World landmarks are taken before others. Numbers of a table without names
 /// are 63, 75 or 78 columns, with at most four in front.
+///
+/// Without positions, a hand is also the rotations of its bones, one quaternion each: of the same
+/// joints, named after the bone beyond them. A quaternion has columns that differ in w, x, y and z
+/// only (`index_proximal_qw`, `index_proximal.orientation.w`), or four numbers behind `rotation`,
+/// `orientation` or `quaternion`. `local` and `world` in a name tell what it is relative to.
 /// Sources: MediaPipe, hands.md; OpenXR 1.0, XrHandJointEXT; WebXR Hand Input, XRHandJoint;
 /// Apple, ARKit, HandSkeleton.JointName; Manus SDK, FingerJointType.
-KeypointLayout FindKeypoints(const std::vector<std::string>& names);
+KeypointLayout FindKeypoints(const std::vector<std::string>& names,
+                             Quaternions quaternions = Quaternions::kTaken);
 
 }  // namespace gauntlet::sim

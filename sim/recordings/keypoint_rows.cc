@@ -32,8 +32,8 @@ constexpr std::size_t kMostWideCells = 10000000;  // a quarter of an hour of bot
 /// Columns of a table with a row per keypoint.
 struct RowForm {
   std::optional<std::size_t> keypoint, hand;
-  std::vector<std::size_t> frame;  // time and number
-  std::vector<std::size_t> values;
+  std::vector<std::size_t> frame;   // time and number
+  std::vector<std::size_t> values;  // x, y, z; of a table without them, those of a quaternion
   std::vector<std::string> value_names;
 };
 
@@ -42,6 +42,8 @@ std::optional<RowForm> RowFormOf(const std::vector<std::string>& names) {
   constexpr std::string_view kKeypoints =
       "landmark landmarkid landmarkindex landmarkname joint jointid jointname jointindex keypoint "
       "keypointid keypointname point pointid bone bonename node nodeid";
+  std::vector<std::size_t> rotation;
+  std::vector<std::string> rotation_names;
   for (std::size_t c = 0; c < names.size(); ++c) {
     const std::string bare = BareName(names[c]);
     const std::vector<std::string> words = WordsOf(names[c]);
@@ -57,9 +59,20 @@ std::optional<RowForm> RowFormOf(const std::vector<std::string>& names) {
     } else if (is_axis && !HasWordOf(words, "rot rotation quat quaternion euler q vel")) {
       form.values.push_back(c);
       form.value_names.push_back(words.back());
+    } else if (IsWordOf("qw qx qy qz", bare) ||
+               (!words.empty() && IsWordOf("w x y z", words.back()) &&
+                HasWordOf(words, "rot rotation quat quaternion orientation"))) {
+      rotation.push_back(c);
+      rotation_names.push_back(std::string("q") + words.back().back());
     }
   }
-  if (!form.keypoint || form.frame.empty() || form.values.size() != 3) return std::nullopt;
+  const bool has_rotations = form.values.empty() && rotation.size() == 4;
+  if (has_rotations) {
+    form.values = std::move(rotation);
+    form.value_names = std::move(rotation_names);
+  }
+  if (!form.keypoint || form.frame.empty()) return std::nullopt;
+  if (form.values.size() != 3 && !has_rotations) return std::nullopt;
   return form;
 }
 
@@ -96,8 +109,10 @@ std::string WideText(CsvReader& reader, const RowForm& form) {
                                               kMostWideCells)});
     }
     before = std::move(frame);
-    frames.back().resize(std::max(frames.back().size(), place->second + 3));
-    for (std::size_t i = 0; i < 3; ++i) frames.back()[place->second + i] = cells[form.values[i]];
+    const std::size_t values = form.values.size();
+    frames.back().resize(std::max(frames.back().size(), place->second + values));
+    for (std::size_t i = 0; i < values; ++i)
+      frames.back()[place->second + i] = cells[form.values[i]];
   }
   std::string text = CsvLine(names);
   for (Row& frame : frames) {

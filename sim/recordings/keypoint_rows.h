@@ -11,7 +11,7 @@ namespace gauntlet::sim {
 ///
 /// - a row per keypoint: columns x, y, z and one that names or numbers the keypoint (`landmark`,
 ///   `joint` ..), with a time or the number of the frame; a column of the hand (`hand`, `side` ..)
-///   becomes a part of the names
+///   becomes a part of the names; without x, y and z also a quaternion (`qw`, `rotation_w` ..)
 /// - lines of Hand Tracking Streamer, `Right landmarks:, x, y, z, ..` of 21 points; `t` in
 ///   `Right landmarks | f = 1 | t = 5:` is the time in ns. The wrist's line is left out, as the
 ///   points are relative to the wrist.

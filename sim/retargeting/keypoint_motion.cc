@@ -40,7 +40,7 @@ KeypointColumns HandIn(const std::filesystem::path& recording,
   const auto fail = [&recording](const std::string& problem) {
     throw UserError({.place = recording.string(), .problem = problem});
   };
-  const KeypointLayout layout = FindKeypoints(names);
+  const KeypointLayout layout = FindKeypoints(names, Quaternions::kLeft);
   if (!layout.problem.empty()) fail(layout.problem);
   if (layout.hands.empty()) {
     fail("has no keypoints of a hand: x, y and z of the wrist and of four joints of each digit");

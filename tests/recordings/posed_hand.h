@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -15,6 +16,7 @@
 #include "sim/base/signal.h"
 #include "sim/hand/hand_model.h"
 #include "sim/recordings/keypoint_angles.h"
+#include "sim/recordings/keypoint_layout.h"
 
 namespace gauntlet::sim::testing {
 
@@ -45,12 +47,7 @@ class PosedHand {
   PosedHand() : data_(mj_makeData(&hand_.model()), &mj_deleteData) {}
 
   HandPoints PointsAt(const std::map<std::string, double>& angle_deg) {
-    mj_resetData(&hand_.model(), data_.get());
-    for (const auto& [joint, angle] : angle_deg) Set(joint, angle);
-    const double spread_deg = angle_deg.at("finger_spread");
-    Set("ring_spread", -0.6 * spread_deg);
-    Set("little_spread", -spread_deg);
-    mj_kinematics(&hand_.model(), data_.get());
+    Pose(angle_deg);
     HandPoints points;
     points.col(0) = Anchor("wrist_flexion");
     points.col(1) = Anchor("thumb_abduction");
@@ -69,7 +66,37 @@ class PosedHand {
     return points;
   }
 
+  /// Rotations of the bodies in the world, by bone: hand, and per digit metacarpal, proximal,
+  /// middle and distal. x is along the bone, z out of the back of the hand. The metacarpals of fingers are
+  /// the palm; the thumb has no middle bone.
+  std::array<Eigen::Matrix3d, kTurnedBones> RotationsAt(
+      const std::map<std::string, double>& angle_deg) {
+    Pose(angle_deg);
+    std::array<Eigen::Matrix3d, kTurnedBones> rotations;
+    rotations.fill(BodyAxes("palm"));
+    int digit = 0;
+    for (const std::string finger : {"thumb", "index", "middle", "ring", "little"}) {
+      const auto set = [&](int bone, const std::string& body) {
+        rotations[static_cast<std::size_t>(TurnedBone(digit, bone))] = BodyAxes(finger + body);
+      };
+      if (digit == 0) set(0, "_metacarpal");
+      set(1, "_proximal");
+      if (digit > 0) set(2, "_middle");
+      set(3, "_distal");
+      ++digit;
+    }
+    return rotations;
+  }
+
  private:
+  void Pose(const std::map<std::string, double>& angle_deg) {
+    mj_resetData(&hand_.model(), data_.get());
+    for (const auto& [joint, angle] : angle_deg) Set(joint, angle);
+    const double spread_deg = angle_deg.at("finger_spread");
+    Set("ring_spread", -0.6 * spread_deg);
+    Set("little_spread", -spread_deg);
+    mj_kinematics(&hand_.model(), data_.get());
+  }
   int JointId(const std::string& name) const {
     return mj_name2id(&hand_.model(), mjOBJ_JOINT, name.c_str());
   }
@@ -79,10 +106,11 @@ class PosedHand {
   Eigen::Vector3d Anchor(const std::string& joint) const {
     return Eigen::Vector3d::Map(data_->xanchor + 3 * JointId(joint));
   }
-  Eigen::Vector3d AlongBody(const std::string& body) const {
+  Eigen::Matrix3d BodyAxes(const std::string& body) const {
     const double* axes = data_->xmat + 9 * mj_name2id(&hand_.model(), mjOBJ_BODY, body.c_str());
-    return {axes[0], axes[3], axes[6]};
+    return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(axes);
   }
+  Eigen::Vector3d AlongBody(const std::string& body) const { return BodyAxes(body).col(0); }
 
   HandModel hand_{HandConfig()};
   std::unique_ptr<mjData, void (*)(mjData*)> data_;
