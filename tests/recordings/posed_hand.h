@@ -67,8 +67,8 @@ class PosedHand {
   }
 
   /// Rotations of the bodies in the world, by bone: hand, and per digit metacarpal, proximal,
-  /// middle and distal. x is along the bone, z out of the back of the hand. The metacarpals of fingers are
-  /// the palm; the thumb has no middle bone.
+  /// middle and distal. x is along the bone, z out of the back of the hand. The metacarpals of
+  /// fingers are the palm; the thumb has no middle bone.
   std::array<Eigen::Matrix3d, kTurnedBones> RotationsAt(
       const std::map<std::string, double>& angle_deg) {
     Pose(angle_deg);
