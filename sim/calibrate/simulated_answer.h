@@ -8,6 +8,8 @@ namespace gauntlet::sim {
 /// Longest part of a log that is simulated, and highest rate of the answer's rows.
 inline constexpr double kLongestAnswer_s = 30.0;
 inline constexpr double kMostAnswerRows_hz = 250.0;
+/// Beginning of an answer that is not compared with the log, because the hand's state is unknown.
+inline constexpr double kNotCompared_s = 0.5;
 
 /// Answer of the simulated hand to the commands of a log. Commands are sent in frames as in a
 /// scenario, without delay of the link. Between the log's rows a command is interpolated linearly

@@ -15,13 +15,13 @@
 #include "sim/base/quantile.h"
 #include "sim/base/threads.h"
 #include "sim/calibrate/identified_servo.h"
+#include "sim/calibrate/servo_search.h"
 #include "sim/calibrate/simulated_answer.h"
 
 namespace gauntlet::sim {
 namespace {
 
 constexpr const char* kOnlyJoint = "joint";  // of models/one_joint.xml
-constexpr double kNotCompared_s = 0.5;       // where the state of the hand is unknown
 constexpr double kMostTravel_deg = 300.0;    // of models/one_joint.xml
 constexpr double kRests_deg_s = 5.0;
 constexpr std::size_t kMostEpisodes = 6;  // held-out ones that are simulated
@@ -184,11 +184,11 @@ std::string ProblemOfPart(const ChainResult& identified, std::size_t part) {
   return fmt::format("its motion spans more than {:g} deg; is the unit right?", kMostTravel_deg);
 }
 
-/// The servo that answers as the fitted episode in which the parts move most.
+/// The servo that answers as the fitted episodes in which the parts move most.
 std::optional<HandConfig> ServoFor(const Group& group, const ChainResult& identified,
                                    const HandConfig& usual, bool centred) {
-  std::optional<SeenLog> most;
-  double most_motion = -1.0;
+  constexpr std::size_t kSearched = 3;
+  std::vector<std::pair<double, ChainLog>> logs;                     // less motion
   for (std::size_t e = 0; e < identified.episodes.size(); e += 2) {  // the fitted ones
     SeenLog seen = SeenBy(group, identified.episodes[e], identified.fits, centred);
     const auto& command = seen.log.command_deg;
@@ -196,16 +196,21 @@ std::optional<HandConfig> ServoFor(const Group& group, const ChainResult& identi
         (command.bottomRows(command.rows() - 1) - command.topRows(command.rows() - 1))
             .cwiseAbs()
             .sum();
-    if (motion <= most_motion) continue;
-    most_motion = motion;
-    most = std::move(seen);
+    logs.emplace_back(-motion, std::move(seen.log));
   }
-  const std::vector<ChainFit> fits = FitChains(most->log, {}, ChainDetail::kBasic);
-  const std::optional<AnsweringServo> first = UntriedServo(most->log, fits, HandModel(usual));
+  std::ranges::stable_sort(logs, {}, &std::pair<double, ChainLog>::first);
+  std::vector<ChainLog> most;
+  for (auto& [motion, log] : logs) {
+    if (most.size() < kSearched) most.push_back(std::move(log));
+  }
+  const std::vector<ChainFit> fits = FitChains(most.front(), {}, ChainDetail::kBasic);
+  const std::optional<AnsweringServo> first = UntriedServo(most.front(), fits, HandModel(usual));
   if (!first) return std::nullopt;
-  const std::optional<ServoTrial> trial = TryServos(most->log, fits, *first, usual);
-  if (!trial) return std::nullopt;
-  return trial->servo.PutInto(usual);
+  const std::optional<ServoTrial> trial = TryServos(most.front(), fits, *first, usual);
+  const AnsweringServo start = trial ? trial->servo : *first;
+  const std::optional<AnsweringServo> servo = SearchServo(most, start, usual);
+  if (!servo) return std::nullopt;
+  return servo->PutInto(usual);
 }
 
 void ValidateGroup(const Group& group, const HandConfig& usual, bool centred,

@@ -47,8 +47,9 @@ struct Validation {
 /// Runs the simulated hand with the commands of a log, and compares its angles with the measured
 /// ones. The chain is identified first (see IdentifyChain()); a log of one episode is cut into four
 /// for this. Gain and offset are taken from the chain, since they are a controller's calibration.
-/// The servo (see TryServos()) is that of the fitted episode with the most motion; the angles that
-/// are compared are of up to six episodes that no fit contains, behind their first 0.5 s.
+/// The servo (see TryServos() and SearchServo()) is that of up to three fitted episodes with the
+/// most motion; the angles that are compared are of up to six episodes that no fit contains, behind
+/// their first 0.5 s.
 ///
 /// Without `hand` each part turns a joint of its own directly (models/one_joint.xml), with its own
 /// servo. With a hand, its joints with the names of parts answer together, by one servo.
