@@ -99,6 +99,14 @@ bool IsJson(std::string_view head) {
   return next == '{' || next == '[' || next == '-' || (next >= '0' && next <= '9');
 }
 
+/// The file that `zstd -d` made of a compressed one, if it is there; else the file itself.
+fs::path Unpacked(const fs::path& file) {
+  std::error_code missing;
+  if (file.extension() != ".zstd") return file;
+  const fs::path unpacked = file.parent_path() / file.stem();
+  return fs::is_regular_file(unpacked, missing) ? unpacked : file;
+}
+
 /// Files that the metadata.yaml of a bag lists under relative_file_paths. rosbag2 writes one in a
 /// line.
 std::vector<fs::path> ListedFiles(const fs::path& folder) {
@@ -114,8 +122,8 @@ std::vector<fs::path> ListedFiles(const fs::path& folder) {
     if (is_list && is_item) {
       const fs::path listed(Unquoted(Trimmed(trimmed.substr(2))));
       // The first versions list them as seen from the folder above.
-      const bool is_below = fs::exists(folder / listed, missing);
-      files.push_back(folder / (is_below ? listed : listed.filename()));
+      const bool is_below = fs::exists(Unpacked(folder / listed), missing);
+      files.push_back(Unpacked(folder / (is_below ? listed : listed.filename())));
       if (fs::is_regular_file(files.back(), missing)) continue;
       throw UserError(
           {.place = (folder / "metadata.yaml").string(),
@@ -126,9 +134,9 @@ std::vector<fs::path> ListedFiles(const fs::path& folder) {
   return files;
 }
 
-/// A stem without the number at its end, and this number: `bag_` and 12 of `bag_12`.
+/// A stem without the number at its end, and this number: `bag_` and 12 of `bag_12.db3`.
 std::pair<std::string, std::int64_t> PartsOfStem(const fs::path& file) {
-  std::string stem = file.stem().string();
+  std::string stem = (file.extension() == ".zstd" ? file.stem() : file).stem().string();
   const std::size_t digits = stem.find_last_not_of("0123456789") + 1;
   const auto number =
       controller::ParseWholeNumber(stem.substr(digits), 0, std::int64_t{1} << 50).value_or(0);
@@ -157,8 +165,10 @@ std::vector<fs::path> BagFiles(const fs::path& folder) {
   // A result of Gauntlet has one MCAP file for each controller.
   if (!files.empty() || fs::exists(folder / "manifest.json", ignored)) return files;
   for (const auto& file : fs::directory_iterator(folder, ignored)) {
-    const fs::path kind = file.path().extension();
-    if (kind == ".db3" || kind == ".mcap") files.push_back(file.path());
+    const bool is_packed = file.path().extension() == ".zstd";
+    const fs::path kind = is_packed ? file.path().stem().extension() : file.path().extension();
+    const bool is_part = kind == ".db3" || kind == ".mcap";
+    if (is_part && Unpacked(file.path()) == file.path()) files.push_back(file.path());
   }
   std::ranges::sort(files, {}, PartsOfStem);
   if (!files.empty() && PartsOfStem(files.front()).first != PartsOfStem(files.back()).first) {

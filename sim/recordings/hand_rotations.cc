@@ -369,22 +369,24 @@ AnglesOfBones AnglesOf(const std::vector<HandRotations>& frames, const KeypointC
   for (const Hinge& hinge : hinges) other_share = std::max(other_share, hinge.other_share);
   const Vector3d& axis = hinges[kIndex].axis;
   const double lost = static_cast<double>(frames.size() - measured.size());
-  result.remark = fmt::format(
-      "rotations of the bones of a{} hand, {}, relative to the {} ({}), {} ({}): fingers bend "
-      "about "
-      "({:.2f}, {:.2f}, {:.2f}), other rotation of a digit up to {:.2g} %; {}; {:.2g} % of the "
-      "frames lost",
+  const std::string of = columns.hand.empty() ? "" : columns.hand + " hand: ";
+  result.remarks.push_back(fmt::format(
+      "rotations of the bones of a{} hand, {}, relative to the {} ({}), components by {}; {:.2g} % "
+      "of the frames lost",
       columns.hand.empty() ? "" : " " + columns.hand, columns.skeleton,
       hand.reading().is_local ? "bone before" : "world",
       rotations.space != Space::kUnknown ? "by the names" : "by the bending of the fingers",
-      hand.reading().w_first ? "w first" : "w last",
-      rotations.has_component_names ? "by the names" : "by the bending of the fingers", axis.x(),
-      axis.y(), axis.z(), 100.0 * std::sqrt(other_share),
+      rotations.has_component_names ? "name"
+      : hand.reading().w_first      ? "the bending, w first"
+                                    : "the bending, w last",
+      100.0 * lost / static_cast<double>(frames.size())));
+  result.remarks.push_back(fmt::format(
+      "{}fingers bend about ({:.2f}, {:.2f}, {:.2f}), digits rotate up to {:.1f} % about other "
+      "axes; {}",
+      of, axis.x(), axis.y(), axis.z(), 100.0 * std::sqrt(other_share),
       axes ? "axes of OpenXR, by the names"
-           : "the axes along the bones are unknown, so the spread of the fingers and the root of "
-             "the "
-             "thumb are left out",
-      100.0 * lost / static_cast<double>(frames.size()));
+           : "the axes along the bones are unknown, so finger_spread, thumb_rotation and "
+             "thumb_abduction are left out"));
   return result;
 }
 

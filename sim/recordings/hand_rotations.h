@@ -17,9 +17,9 @@ bool AreUnitQuaternions(const std::vector<HandRotations>& frames);
 
 /// Angles of joints from rotations of bones.
 struct AnglesOfBones {
-  KeypointAngles angles;      // no residual
-  std::vector<bool> is_lost;  // a bone is missing or no rotation, or all are repeated
-  std::string remark;         // for a person
+  KeypointAngles angles;             // no residual
+  std::vector<bool> is_lost;         // a bone is missing or no rotation, or all are repeated
+  std::vector<std::string> remarks;  // for a person
 };
 
 /// Angles by these equations. r is the rotation of a bone relative to its parent, with a scalar

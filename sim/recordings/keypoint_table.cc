@@ -120,7 +120,7 @@ AnglesOfBones AnglesOfHand(const KeypointText& text, std::size_t h, const Keypoi
                            std::string& remarks) {
   if (columns.rotations) {
     AnglesOfBones bones = AnglesOf(text.rotations[h], columns);
-    remarks += RemarkLine(bones.remark);
+    for (const std::string& remark : bones.remarks) remarks += RemarkLine(remark);
     return bones;
   }
   const PlacedHand placed = PlaceHand(text.points[h], columns.unit_m);
@@ -129,7 +129,7 @@ AnglesOfBones AnglesOfHand(const KeypointText& text, std::size_t h, const Keypoi
   remarks += RemarkLine(fmt::format(
       "{}angles from keypoints: the points are {:.2g} mm RMS off a hand with these angles",
       text.points.size() > 1 ? columns.hand + " hand: " : "", 1e3 * angles.residual_m));
-  return {.angles = std::move(angles), .is_lost = placed.is_lost, .remark = {}};
+  return {.angles = std::move(angles), .is_lost = placed.is_lost, .remarks = {}};
 }
 
 std::string TextOfAngles(const KeypointText& text, const std::vector<KeypointColumns>& hands) {

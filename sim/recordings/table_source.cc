@@ -201,8 +201,9 @@ FileFormat ReadableFormat(const fs::path& file) {
                      .problem = fmt::format("is {}, must be MCAP or a ROS 2 bag", NameOf(format))});
   }
   if (const std::string_view way_out = WayOut(format); !way_out.empty()) {
+    const fs::path part = fs::is_directory(file) ? DataSetFiles(file).front() : file;
     throw UserError(
-        {.place = file.string(),
+        {.place = part.string(),
          .problem = fmt::format("is {}, which is not read; {}", NameOf(format), way_out)});
   }
   return format;

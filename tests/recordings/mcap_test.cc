@@ -336,7 +336,17 @@ TEST_F(BagTest, IsAFolderOfParts) {
   Write("bag_3.db3", "");  // of a recorder that was killed at once
   EXPECT_THAT(ErrorOfTopic(folder_.path()), HasSubstr("bag_3.db3: is empty, must be MCAP or"));
   fs::remove(folder_.path() / "bag_3.db3");
+  // Compressed as a whole: the unpacked file is taken, whatever is listed.
+  Write("metadata.yaml", "relative_file_paths:\n  - bag_2.db3.zstd\n");
+  EXPECT_EQ(BytesOf(TableSource(folder_.path())), "time_s,a_rad\n1.000000000,0\n1.010000000,1\n");
+  Write("metadata.yaml", "relative_file_paths:\n  - bag_4.db3.zstd\n");
+  Write("bag_4.db3.zstd", "\x28\xb5\x2f\xfd..");
+  EXPECT_THAT(ErrorOfTopic(folder_.path()),
+              HasSubstr("bag_4.db3.zstd: is zstd, which is not read; unpack it: zstd -d FILE"));
   fs::remove(folder_.path() / "metadata.yaml");
+  EXPECT_THAT(ErrorOfTopic(folder_.path()),
+              HasSubstr("has a file bag_4.db3.zstd, which is zstd; unpack it"));
+  fs::remove(folder_.path() / "bag_4.db3.zstd");
   Write("other_1.mcap", "");
   EXPECT_THAT(ErrorOfTopic(folder_.path()), HasSubstr("has several recordings"));
 }
