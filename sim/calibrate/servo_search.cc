@@ -165,6 +165,7 @@ Place LookEverywhere(const Place& start, const auto& try_place) {
 std::optional<AnsweringServo> SearchServo(const std::vector<ChainLog>& logs,
                                           const AnsweringServo& start, const HandConfig& usual) {
   constexpr double kNear = 0.05;
+  constexpr double kSameDelay_ms = 10.0;
   constexpr double kFirstStep = 0.6;  // of a logarithm
   constexpr double kLastStep = 0.05;
   constexpr int kMostRefined = 40;
@@ -175,6 +176,8 @@ std::optional<AnsweringServo> SearchServo(const std::vector<ChainLog>& logs,
   for (const ChainLog& log : logs) whole.push_back({.log = log, .delay_ms = DelaysOf(log)});
   const auto try_whole = [&](const Place& at) { return Try(whole, At(start, at), usual); };
   Tried best = try_whole(place);
+  const bool has_delay = std::abs(best.dead_time_ms - start.dead_time_ms) < kSameDelay_ms;
+  if (best.miss < kNear && has_delay) return start;
   if (best.miss > kNear) {
     const ChainLog begin = BeginOf(logs.front(), kGrid_s);
     const std::vector<Wanted> part = {{.log = begin, .delay_ms = DelaysOf(begin)}};

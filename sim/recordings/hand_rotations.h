@@ -25,10 +25,10 @@ struct AnglesOfBones {
 /// Angles by these equations. r is the rotation of a bone relative to its parent, with a scalar
 /// part of at least 0, h the axis about which the digit bends, in the frame of its bones.
 ///
-///     r                     the quaternion of the file, or conj(parent) child of those in the world
-///     h                     first eigenvector of the sum of rotation vectors rho rho^T, over the
-///                           middle and distal bones of a finger, the proximal and distal of a thumb
-///     MCP, PIP, DIP, IP     2 atan2(vec(r) . h, r.w): the twist of r about h
+///     r                  the quaternion of the file, or conj(parent) child of those in the world
+///     h                  first eigenvector of the sum of rotation vectors rho rho^T, over the
+///                        middle and distal bones of a finger, proximal and distal of a thumb
+///     MCP, PIP, DIP, IP  2 atan2(vec(r) . h, r.w): the twist of r about h
 ///
 /// The fingers bend more than they extend, so h points to flexion: its sign needs no handedness of
 /// axes. The parent of a proximal bone is the metacarpal, or the hand where a file has none.
