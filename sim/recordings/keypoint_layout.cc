@@ -127,8 +127,8 @@ void TakeRotation(NameWords& words, int component, ColumnParts& parts) {
     parts.place = NumberIn(words.back());
     words.pop_back();
   }
-  constexpr std::string_view kLocal = "local relative parent";
-  constexpr std::string_view kWorld = "world global absolute";
+  static constexpr std::string_view kLocal = "local relative parent";
+  static constexpr std::string_view kWorld = "world global absolute";
   if (HasWordOf(words, kLocal)) parts.space = Space::kLocal;
   if (HasWordOf(words, kWorld)) parts.space = Space::kWorld;
   std::erase_if(words, [](const std::string& word) {
