@@ -9,6 +9,9 @@
 #ifndef GAUNTLET_FILTER_H
 #define GAUNTLET_FILTER_H
 
+#ifdef __GNUC__ /* what your library shows */
+#pragma GCC visibility push(default)
+#endif
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -37,13 +40,13 @@ typedef struct gauntlet_filter {
   void (*destroy)(void* filter);
 } gauntlet_filter;
 
-#ifdef __GNUC__
-__attribute__((visibility("default")))
-#endif
 const gauntlet_filter* gauntlet_filter_1(void);
 
 #ifdef __cplusplus
 }
+#endif
+#ifdef __GNUC__
+#pragma GCC visibility pop
 #endif
 
 #endif

@@ -12,8 +12,8 @@ namespace gauntlet::controller {
 class FilterMaker;  // of filter_registry.h, which needs more of the standard library
 
 /// A filter that the caller makes, from outside this library: in the simulator a program that gets
-/// a sample a line, or functions of a shared library. This library starts and loads neither: without
-/// `make`, there is no such filter.
+/// a sample a line, or functions of a shared library. This library starts and loads neither:
+/// without `make`, there is no such filter.
 ///
 /// Errors: SettingError without `make`, and those of `make`.
 struct GAUNTLET_API ExternalConfig {
