@@ -73,7 +73,7 @@ class Page:
             raise AssertionError(f"{expression}: {result['exceptionDetails']}")
         return result["result"].get("value")
 
-    def wait_for(self, expression, timeout_s=20):
+    def wait_for(self, expression, timeout_s=60):
         end = time.monotonic() + timeout_s
         while time.monotonic() < end:
             if self.value(f"Boolean({expression})"):

@@ -362,7 +362,9 @@ def test_osc_at_both_ends(place):
     check(len({types for types, _ in commands}) == 1 and commands[0][0].startswith(","), str(commands[0]))
     check(all(len(values) == 4 * (len(types) - 1) for types, values in commands), str(commands[0]))
     facts = facts_in(place)
-    check(facts["frames"]["frames"] > 50 and facts["untrusted_samples"] == [0, 0], str(facts["frames"])[:300])
+    # A busy sender leaves out samples; with the other address every second one would be out of range.
+    frames = facts["frames"]["frames"]
+    check(frames > 50 and max(facts["untrusted_samples"]) < 0.3 * frames, f"{facts['untrusted_samples']} of {frames}")
 
 
 def main():

@@ -29,11 +29,11 @@ def check(is_right, what):
 class Session:
     """A running session, and requests as they should not be."""
 
-    def __init__(self, place, *arguments):
+    def __init__(self, place, *arguments, motion="glove.motion.duration_s=120"):
         self.place = place
         self.process = subprocess.Popen(
             [PROGRAM, "live", "random_motion", "--controller", "raw", "--shadow", "tuned_kalman",
-             "--page", "0", "--out", place, *arguments],
+             "--page", "0", "--out", place, "--set", motion, *arguments],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         for line in self.process.stderr:
             found = re.search(r"page at (http://127\.0\.0\.1:(\d+)/\?token=([0-9a-f]{32}))$", line)
@@ -170,8 +170,8 @@ def test_switch_changes_the_controller_without_a_jump(place):
 
 
 def test_marks_give_calibrate_the_noise(place):
-    session = Session(place / "live", "--set",
-                      "glove.motion={kind: moves, postures: [rest, open], move_s: 0.2, hold_s: 30}")
+    session = Session(place / "live",
+                      motion="glove.motion={kind: moves, postures: [rest, open], move_s: 0.2, hold_s: 60}")
     events = session.events()
     next(event for event in events if event["time_s"] > 0.5)
     for body, is_still in (("still", True), ("moving", False), ("still", True)):
@@ -245,7 +245,7 @@ def test_page_in_a_browser(place):
     if not chromium.has_browser():
         print("skipped: no chromium")
         return
-    session = Session(place / "live", "--seconds", "60")
+    session = Session(place / "live", "--seconds", "120")
     page = chromium.Page(session.address, 390, 900, dark=True)
     try:
         page.wait_for("window.livePage?.moments.length > 20 && document.querySelector('#live-stages td')")
