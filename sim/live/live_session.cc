@@ -289,7 +289,11 @@ void Session::ResetToFirstSample() {
     posture_rad.assign(start_rad.data(), start_rad.data() + start_rad.size());
   }
   loop_.Reset(posture_rad);
-  for (controller::Controller& shadow : shadows_) shadow.Reset(loop_.hand().command());
+  auto target = targets_row_.begin();  // what a tick has that is skipped before the first one
+  for (controller::Controller& shadow : shadows_) {
+    shadow.Reset(loop_.hand().command());
+    target = std::ranges::copy(shadow.target_angle_rad(), target).out;
+  }
   std::ranges::copy(loop_.hand().command(), wanted_.begin());
   std::ranges::copy(loop_.hand().command(), sent_.begin());
   rest_.Reset(sent_);

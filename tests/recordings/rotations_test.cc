@@ -23,6 +23,7 @@
 #include "sim/recordings/source_bytes.h"
 #include "sim/recordings/table_source.h"
 #include "tests/recordings/posed_hand.h"
+#include "tests/support/program.h"
 
 namespace gauntlet::sim::testing {
 namespace {
@@ -153,11 +154,9 @@ constexpr std::array<const char*, 4> kNumbers = {"_rotation_1", "_rotation_2", "
 
 class RotationFiles : public ::testing::Test {
  protected:
-  RotationFiles() { fs::create_directories(folder_); }
-
   fs::path Written(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
+    std::ofstream(folder_.path() / name, std::ios::binary) << text;
+    return folder_.path() / name;
   }
   /// What a file is read as.
   std::string Read(const std::string& text, const std::string& name = "hand.csv") const {
@@ -171,7 +170,7 @@ class RotationFiles : public ::testing::Test {
     }
     return "";
   }
-  const fs::path folder_ = fs::path(::testing::TempDir()) / "rotations";
+  test::TemporaryDirectory folder_;
 };
 
 std::map<std::string, std::vector<double>> ColumnsOf(const std::string& text) {
