@@ -69,24 +69,25 @@ class LibraryStepper final : public Stepper {
   void* filter_ = nullptr;
 };
 
+[[noreturn]] void Fail(const fs::path& file, const std::string& problem) {
+  throw SettingError("library", fmt::format("{}: {}", Shown(file.string()), problem));
+}
+
 /// The functions of a library, which stays loaded as long as they are used.
 std::shared_ptr<const gauntlet_filter> FunctionsOf(const fs::path& file) {
-  const auto fail = [&file](const std::string& problem) {
-    throw SettingError("library", fmt::format("{}: {}", Shown(file.string()), problem));
-  };
   void* const opened = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (opened == nullptr) fail(OneLine(dlerror()));
+  if (opened == nullptr) Fail(file, OneLine(dlerror()));
   const std::shared_ptr<void> library(opened, dlclose);
   const auto functions =
       reinterpret_cast<decltype(&gauntlet_filter_1)>(dlsym(opened, "gauntlet_filter_1"));
-  if (functions == nullptr) fail("has no function gauntlet_filter_1()");
+  if (functions == nullptr) Fail(file, "has no function gauntlet_filter_1()");
   const gauntlet_filter* const found = functions();
   if (found == nullptr || found->version != GAUNTLET_FILTER_VERSION) {
-    fail(fmt::format("is for version {} of gauntlet_filter.h, must be for {}",
-                     found == nullptr ? 0 : found->version, GAUNTLET_FILTER_VERSION));
+    Fail(file, fmt::format("is for version {} of gauntlet_filter.h, must be for {}",
+                           found == nullptr ? 0 : found->version, GAUNTLET_FILTER_VERSION));
   }
   if (found->create == nullptr || found->step == nullptr || found->destroy == nullptr) {
-    fail("lacks create, step or destroy");
+    Fail(file, "lacks create, step or destroy");
   }
   return {library, found};
 }

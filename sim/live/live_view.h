@@ -37,10 +37,10 @@ class LiveView {
   static constexpr std::size_t kStageRows = 6;
 
   LiveView(std::size_t channels, std::size_t joints)
-      : channels_(channels),
-        joints_(joints),
+      : moments_(64, channels + 2 * joints),
         row_(channels + 2 * joints),
-        moments_(64, row_.size()) {}
+        channels_(channels),
+        joints_(joints) {}
 
   std::size_t channels() const noexcept { return channels_; }
   std::size_t joints() const noexcept { return joints_; }
@@ -81,11 +81,11 @@ class LiveView {
   }
 
  private:
-  std::size_t channels_;
-  std::size_t joints_;
-  std::vector<double> row_;  // of the control thread
   RowRing<LiveMoment> moments_;
   RowRing<int> stages_{256, kStageRows};
+  std::vector<double> row_;  // of the control thread
+  std::size_t channels_;
+  std::size_t joints_;
   std::atomic<int> asked_ = -1;
   std::atomic<int> mark_ = -1;
 };
