@@ -3,8 +3,8 @@
  *     filter: {kind: external, library: ./my_filter.so}
  *
  * The library exports gauntlet_filter_1(). Plain C99; nothing may be thrown across it. A filter is used by one
- * thread at a time, several filters by several. In `gauntlet live` step() is called in the control thread: it
- * should neither allocate nor wait. */
+ * thread at a time, several filters by several. In `gauntlet live` the control thread calls step(), which should
+ * neither allocate nor wait, and create() at the first sample. */
 /* NOLINTBEGIN: this is C. */
 #ifndef GAUNTLET_FILTER_H
 #define GAUNTLET_FILTER_H
@@ -32,8 +32,8 @@ typedef struct gauntlet_filter {
   int version; /* GAUNTLET_FILTER_VERSION */
   /* A new filter. NULL refuses, for the reason `*problem`, a text that lives as long as the library. */
   void* (*create)(const gauntlet_filter_facts* facts, const char** problem);
-  /* A sample in, one value per channel, in counts or rad; as many finite values out. `input` and `output` may be
-   * the same array. Any other answer than 0 is a failure, which ends the trial. */
+  /* A sample in, one value per channel, in counts or rad; as many finite values out. Any other answer
+   * than 0 is a failure, which ends the trial; in `gauntlet live` samples pass unfiltered from then on. */
   int (*step)(void* filter, const double* input, double* output);
   /* The next sample of a channel is as its first one: those before were not trusted for a while. May be NULL. */
   void (*start_channel)(void* filter, int channel);

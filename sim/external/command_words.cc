@@ -79,8 +79,7 @@ std::vector<std::string> CommandWords(const std::string& command) {
 
 fs::path FolderOf(const controller::ExternalConfig& config) {
   std::error_code unreadable;
-  const fs::path folder = fs::absolute(config.folder).lexically_normal();
-  fs::path place = config.folder.empty() ? fs::current_path() : folder;
+  fs::path place = (fs::current_path() / config.folder).lexically_normal();
   if (!fs::is_directory(place, unreadable)) {
     throw SettingError("folder", fmt::format("{}: no such folder", Shown(place.string())));
   }

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 class LibraryStepper final : public Stepper {
  public:
   LibraryStepper(std::shared_ptr<const gauntlet_filter> functions, const FilterFacts& facts)
-      : functions_(std::move(functions)) {
+      : functions_(std::move(functions)), answer_(facts.channels.size()) {
     std::vector<const char*> channels;
     for (const std::string& name : facts.channels) channels.push_back(name.c_str());
     std::vector<const char*> names;
@@ -52,12 +52,14 @@ class LibraryStepper final : public Stepper {
   LibraryStepper& operator=(const LibraryStepper&) = delete;
 
   void Step(std::span<const double> input, std::span<double> output) override {
-    if (const int answer = functions_->step(filter_, input.data(), output.data()); answer != 0) {
-      throw RunError(fmt::format("returned {}, must be 0", answer));
+    // Not into `output`, which may be the input: a filter that fails passes that on.
+    if (const int code = functions_->step(filter_, input.data(), answer_.data()); code != 0) {
+      throw RunError(fmt::format("returned {}, must be 0", code));
     }
-    if (!std::ranges::all_of(output, [](double value) { return std::isfinite(value); })) {
+    if (!std::ranges::all_of(answer_, [](double value) { return std::isfinite(value); })) {
       throw RunError("returned a value that is not finite");
     }
+    std::ranges::copy(answer_, output.begin());
   }
 
   void StartChannel(int channel) override {
@@ -66,6 +68,7 @@ class LibraryStepper final : public Stepper {
 
  private:
   std::shared_ptr<const gauntlet_filter> functions_;
+  std::vector<double> answer_;
   void* filter_ = nullptr;
 };
 

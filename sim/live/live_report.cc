@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
@@ -398,14 +399,21 @@ ResultText ShadowText(const std::vector<ShadowScore>& scores, const std::string&
                           ResultCell(ResultValue(score.tracking_rmse_deg)),
                           ResultCell(ResultValue(score.step_p99_us))});
   }
-  const auto best = std::ranges::min_element(scores, {}, &ShadowScore::tracking_rmse_deg);
+  const auto best = std::ranges::min_element(scores, {}, [](const ShadowScore& score) {
+    const double error_deg = score.tracking_rmse_deg;
+    return std::isnan(error_deg) ? std::numeric_limits<double>::infinity() : error_deg;
+  });
+  // A session of less than a second has no jitter.
+  const std::string jitter = std::isnan(best->jitter_rms_deg)
+                                 ? "without a value of the jitter"
+                                 : fmt::format("with jitter {:.3g} deg RMS", best->jitter_rms_deg);
   ResultText text;
   text.emplace_back(fmt::format(
       "Controllers on the same samples, by the angles that they ask of the joints; reference: {}. "
       "{} "
-      "has the lowest tracking error, {:.3g} deg RMS, with jitter {:.3g} deg RMS and delay {:.3g} "
+      "has the lowest tracking error, {:.3g} deg RMS, {} and with delay {:.3g} "
       "ms. One session gives no confidence interval: gauntlet compare on the recording does.",
-      reference, best->name, best->tracking_rmse_deg, best->jitter_rms_deg, best->delay_ms));
+      reference, best->name, best->tracking_rmse_deg, jitter, best->delay_ms));
   text.emplace_back(std::move(table));
   return text;
 }

@@ -41,7 +41,7 @@ std::string LivePage(const Study& study, const LiveSetup& setup, const std::stri
        {"glove", EscapeHtml(setup.source == nullptr ? "simulated" : setup.source->Description())},
        {"motors", EscapeHtml(setup.sink == nullptr ? "simulated" : setup.sink->Description())},
        {"recording", recording.empty()
-                         ? "The glove is not recorded: --record FILE.csv does."
+                         ? "The glove is not recorded; --record FILE.csv records it."
                          : fmt::format("All samples go to {} at the end.", EscapeHtml(recording))},
        {"sources", fmt::format("script-src 'nonce-{}'; connect-src 'self'; ", nonce)},
        {"nonce", nonce},

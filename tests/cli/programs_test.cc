@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>  // SIGINT
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -14,6 +15,9 @@
 #include <thread>
 #include <vector>
 
+#include "controller/controller_config.h"
+#include "controller/filters/filter_registry.h"
+#include "sim/external/external_filters.h"
 #include "tests/support/program.h"
 #include "tests/support/read_file.h"
 
@@ -298,6 +302,25 @@ TEST_F(Programs, AsASharedLibraryThatFailsCostTheirOwnTrialsOnly) {
     EXPECT_EQ(mistake.exit_code, 2) << filter << mistake.standard_error;
     EXPECT_THAT(mistake.standard_error, AllOf(HasSubstr("mine"), HasSubstr(problem))) << filter;
   }
+}
+
+TEST(LibraryFilter, ThatFailsPassesItsInputOnAlsoInPlace) {
+  sim::AllowPrograms();
+  controller::ExternalConfig external;
+  external.library = GAUNTLET_ODD_FILTER;
+  external.parameters = {{"nan_at", 2.0}};
+  controller::ControllerConfig config;
+  config.filters = {{.settings = external}};
+  const sim::TrialPrograms programs(config);
+  const std::vector<std::string> names = {"index_mcp"};
+  const auto filter = controller::MakeFilter(programs.config().filters[0], names, 1000.0);
+  for (double value : {5.0, 7.0, 9.0}) {
+    std::array values = {value};
+    filter->Step(values, values);
+    EXPECT_EQ(values[0], value);
+    EXPECT_EQ(programs.ok(), value == 5.0);
+  }
+  sim::AllowPrograms(false);
 }
 
 TEST_F(Programs, ThatAreNotThereAreMistakes) {
