@@ -46,6 +46,14 @@ CLI::Validator Within(const Range& range, bool is_whole) {
   return is_whole ? CLI::Validator(whole, "") : CLI::Validator(any, "");
 }
 
+CLI::Validator OneOf(const std::vector<std::string>& choices) {
+  const auto check = [choices](std::string& text) -> std::string {
+    if (std::ranges::find(choices, text) != choices.end()) return "";
+    return fmt::format("is '{}', must be one of {}", Shown(text), fmt::join(choices, ", "));
+  };
+  return {check, fmt::format("{{{}}}", fmt::join(choices, ","))};
+}
+
 /// The option without its rules.
 CLI::Option* AddVariable(const Option& option, CLI::App& command) {
   const auto add = [&](const auto& variable) -> CLI::Option* {
@@ -67,7 +75,7 @@ void AddOption(const Option& option, CLI::App& command) {
   if (!rules.words.empty()) added->type_name(fmt::format("{{{}}}", fmt::join(rules.words, ",")));
   if (!rules.value.empty()) added->type_name(rules.value);
   if (std::isfinite(rules.range.low)) added->transform(Within(rules.range, option.is_whole()));
-  if (!rules.choices.empty()) added->check(CLI::IsMember(rules.choices));
+  if (!rules.choices.empty()) added->check(OneOf(rules.choices));
   if (rules.check) added->transform(CLI::Validator(rules.check, ""));
   if (rules.separator != '\0') added->delimiter(rules.separator);
   if (rules.is_one_word) added->allow_extra_args(false);
@@ -81,7 +89,7 @@ void AddCommand(const Command& command, CLI::App& app) {
   for (const Option& option : command.options) AddOption(option, *added);
 }
 
-constexpr std::size_t kLongestReason = 240;  // so that the hint behind it stays whole
+constexpr std::size_t kLongestReason = 340;  // so that the hint behind it stays whole
 
 /// A negative number is a value.
 bool IsOption(const std::string& argument) {
@@ -147,9 +155,12 @@ std::string ExplainUsage(const std::vector<Command>& commands,
                        Suggestion(*word, AllNames(commands)));
   }
   std::string problem = ReasonOf(error);
-  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
-    problem = UnknownOption(commands, *command, {word + 1, arguments.end()})
-                  .value_or(fmt::format("{}: more than {} takes", Shown(arguments.back()), *word));
+  const bool is_too_much =
+      error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
+  if (is_too_much) problem = fmt::format("{}: more than {} takes", Shown(arguments.back()), *word);
+  // An option that is required and misspelt is there for the person who typed it.
+  if (is_too_much || error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError)) {
+    problem = UnknownOption(commands, *command, {word + 1, arguments.end()}).value_or(problem);
   }
   return fmt::format("{}; see gauntlet {} --help", problem, *word);
 }

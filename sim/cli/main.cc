@@ -1,5 +1,6 @@
 #include <malloc.h>
 
+#include <cstddef>
 #include <new>
 #include <string>
 #include <string_view>
@@ -23,8 +24,10 @@ constexpr int kRunFailed = 1;
 constexpr int kUserMistake = 2;
 constexpr int kReaderGone = 141;  // 128 + SIGPIPE, as shells have it
 
+constexpr std::size_t kLongestMessage = 400;  // with the names of all kinds of filters
+
 int Complain(const std::string& message, int exit_code) {
-  sim::Say("{}\n", sim::OneLine("gauntlet: " + message));
+  sim::Say("{}\n", sim::OneLine("gauntlet: " + message, kLongestMessage));
   return exit_code;
 }
 
