@@ -12,7 +12,7 @@
 #include <tuple>
 #include <vector>
 
-#include "controller/constant_settings.h"
+#include "controller/robot_text.h"
 #include "controller/controller.h"
 
 namespace gc = gauntlet::controller;

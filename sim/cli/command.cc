@@ -155,8 +155,7 @@ std::string ExplainUsage(const std::vector<Command>& commands,
                        Suggestion(*word, AllNames(commands)));
   }
   std::string problem = ReasonOf(error);
-  const bool is_too_much =
-      error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
+  const bool is_too_much = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
   if (is_too_much) problem = fmt::format("{}: more than {} takes", Shown(arguments.back()), *word);
   // An option that is required and misspelt is there for the person who typed it.
   if (is_too_much || error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError)) {

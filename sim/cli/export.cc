@@ -36,7 +36,6 @@ struct ExportOptions {
   std::string folder;
   std::string controller;
   std::string out;  // empty: NAME.robot.yaml (or another ending) in the folder
-  bool header = false;
   bool text = false;
   bool embedded = false;
 
@@ -47,11 +46,9 @@ struct ExportOptions {
                {.value = "NAME", .offer = Offer::kControllers, .required = true},
                "which controller of the scenario"),
         OutOption(out, "file to write [NAME.robot.yaml in the folder]", "FILE"),
-        Option("--header", &header, {},
-               "write a C++ header of constants [NAME.robot.h], for a robot that reads no files"),
-        Option("--text", &text, {.excludes = {"--header"}},
+        Option("--text", &text, {},
                "write plain text [NAME.robot.txt], for C, Python, MATLAB and others"),
-        Option("--embedded", &embedded, {.excludes = {"--header", "--text"}},
+        Option("--embedded", &embedded, {.excludes = {"--text"}},
                "write a C++ header for a microcontroller, in float [NAME.embedded.robot.h]"),
     };
   }
@@ -70,8 +67,7 @@ Example:
 std::filesystem::path TargetOf(const ExportOptions& options) {
   const std::filesystem::path folder = options.folder;
   if (options.out.empty()) {
-    const char* ending = options.header     ? ".robot.h"
-                         : options.text     ? ".robot.txt"
+    const char* ending = options.text       ? ".robot.txt"
                          : options.embedded ? ".embedded.robot.h"
                                             : ".robot.yaml";
     return folder / (options.controller + ending);
@@ -85,7 +81,6 @@ std::filesystem::path TargetOf(const ExportOptions& options) {
 
 std::string ContentOf(const ExportOptions& options, const controller::RobotConfig& robot,
                       const RobotOrigin& origin) {
-  if (options.header) return RobotToHeader(robot, origin);
   if (options.text) return RobotToText(robot, origin);
   if (options.embedded) {
     try {
@@ -156,7 +151,7 @@ std::vector<std::string> NotesOf(const GloveConfig& config, const controller::Ro
 /// The notes as comments at the head of the file.
 std::string CommentsOf(const std::vector<std::string>& notes, const ExportOptions& options) {
   constexpr std::size_t kWidth = 97;
-  const std::string mark = options.header || options.embedded ? "// " : "# ";
+  const std::string mark = options.embedded ? "// " : "# ";
   std::string comments;
   for (const std::string& note : notes) {
     std::istringstream lines(Wrapped(note, kWidth));

@@ -193,7 +193,7 @@ std::string ConverterOptions(const std::vector<controller::ConverterRange>& conv
     for (const controller::ConverterRange& range : converters) values.push_back(range.*member);
     const bool alike = std::ranges::all_of(values, [&](double v) { return v == values[0]; });
     if (alike && (values.empty() || values[0] == by_default)) return std::string();
-    if (alike) values.resize(1);
+    if (alike) values.erase(values.begin() + 1, values.end());
     return fmt::format(" {} {}", name, fmt::join(values, ","));
   };
   const controller::ConverterRange usual;

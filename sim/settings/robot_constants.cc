@@ -34,7 +34,7 @@ std::string Literal(std::string_view text) {
   return literal + "\"";
 }
 
-/// A controller::ConstantSetting as it is written.
+/// A setting as it is written.
 struct Row {
   enum Role { kValue, kGroup, kItem };
   std::string key;
@@ -43,7 +43,7 @@ struct Row {
   Role role = kValue;
 };
 
-/// The rows in the order in which controller::RobotFromConstants() reads them.
+/// The rows in the order in which controller::RobotFromText() reads them.
 class RowWriter final : public SettingsVisitor {
  public:
   void Number(const Setting& setting, double& value) override { Add(setting.key, Digits(value)); }
@@ -107,25 +107,6 @@ std::vector<Row> RowsOf(controller::RobotConfig robot) {  // by value: a visitor
   RowWriter writer;
   robot.Visit(writer);
   return writer.rows();
-}
-
-/// A row a line; items of a list share lines.
-std::string AsConstants(const std::vector<Row>& rows) {
-  constexpr std::size_t kWidth = 100;
-  std::string text;
-  std::string line;
-  const auto end_line = [&] {
-    if (!line.empty()) text += line + "\n";
-    line.clear();
-  };
-  for (const Row& row : rows) {
-    const std::string constant = fmt::format("{{{}, {}}},", Literal(row.key), row.value);
-    const bool shares = row.role == Row::kItem && line.starts_with("    {\"\", ");
-    if (!shares || line.size() + 1 + constant.size() > kWidth) end_line();
-    line += (line.empty() ? "    " : " ") + constant;
-  }
-  end_line();
-  return text;
 }
 
 /// A setting a line, behind two blanks for each group around it.
@@ -203,46 +184,6 @@ std::string NamespaceOf(const RobotOrigin& origin) {
 }
 
 }  // namespace
-
-std::string RobotToHeader(const controller::RobotConfig& robot, const RobotOrigin& origin) {
-  return fmt::format(
-      R"(// Controller {controller} of scenario {scenario} (hand model {hash}), written by
-// gauntlet {version} export. Values have all digits. On the robot (link gauntlet::controller):
-//
-//   gauntlet::controller::Controller controller(robot::Settings());
-//
-// and Step() {rate:.6g} times per second, with a new sample of the glove every {every} times.
-#pragma once
-
-#include "controller/constant_settings.h"
-
-namespace robot {{
-inline namespace {name} {{
-
-inline constexpr int kChannelCount = {channels};
-inline constexpr int kMotorCount = {motors};
-inline constexpr double kTickRateHz = {exact_rate};
-inline constexpr int kTicksPerSample = {every};
-
-inline constexpr gauntlet::controller::ConstantSetting kSettings[] = {{
-{settings}}};
-
-inline gauntlet::controller::RobotConfig Settings() {{
-  return gauntlet::controller::RobotFromConstants(kSettings);
-}}
-
-}}  // namespace {name}
-}}  // namespace robot
-)",
-      fmt::arg("name", NamespaceOf(origin)), fmt::arg("controller", OneLine(origin.controller)),
-      fmt::arg("scenario", OneLine(origin.scenario)), fmt::arg("hash", origin.model_hash),
-      fmt::arg("version", origin.gauntlet_version), fmt::arg("rate", robot.timing.tick_rate_hz),
-      fmt::arg("exact_rate", robot.timing.tick_rate_hz),
-      fmt::arg("every", robot.timing.ticks_per_sample),
-      fmt::arg("channels", robot.glove.channel_names.size()),
-      fmt::arg("motors", robot.hand.motor_names.size()),
-      fmt::arg("settings", AsConstants(RowsOf(robot))));
-}
 
 std::string RobotToText(const controller::RobotConfig& robot, const RobotOrigin& origin) {
   return fmt::format(

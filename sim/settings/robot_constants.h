@@ -7,11 +7,7 @@
 
 namespace gauntlet::sim {
 
-/// The settings of RobotToYaml() as a C++ header of constants, for a robot that reads no files: it
-/// needs gauntlet::controller only. `robot::Settings()` gives them back, bit for bit.
-std::string RobotToHeader(const controller::RobotConfig& robot, const RobotOrigin& origin);
-
-/// The same as text, which controller::RobotFromText() and gauntlet_controller_create() read.
+/// The settings of RobotToYaml() as text with all digits, which controller::RobotFromText() and gauntlet_controller_create() read.
 std::string RobotToText(const controller::RobotConfig& robot, const RobotOrigin& origin);
 
 /// What embedded::Controller runs, as a C++ header of constants in `float`: `robot::Controller` is

@@ -153,7 +153,7 @@ class Case : public testing::Test {
   void ExpectRefusal(const Step& step, const Lines& error,
                      const std::set<std::string>& before) const {
     EXPECT_EQ(std::ranges::count_if(error, IsNoWarning), 1) << step.script;
-    EXPECT_LE(error.at(0).size(), 300u) << step.script;
+    EXPECT_LE(error.at(0).size(), 400u) << step.script;
     EXPECT_TRUE(std::ranges::none_of(error.at(0), [](char c) {
       return (c >= 0 && c < ' ') || c == 127;
     })) << step.script;

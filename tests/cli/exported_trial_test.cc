@@ -81,11 +81,10 @@ void ExpectCommandsOf(const sim::Trace& trace, const std::string& printed) {
   EXPECT_EQ(events, (kSamples - kDelayTicks + 19) / 20);
 }
 
-TEST_F(ExportedTrial, GivesTheCommandsOfTheTraceAsAFileAHeaderAndText) {
+TEST_F(ExportedTrial, GivesTheCommandsOfTheTraceAsAFileAndText) {
   std::ofstream(In("s.yaml")) << fmt::format(kScenario, 1e-3 * kSamples, kDelayTicks);
   Expect(Run({GAUNTLET_PROGRAM, "run", "s.yaml", "--out", "out"}));
   Expect(Run({GAUNTLET_PROGRAM, "export", "out", "--controller", "tuned"}));
-  Expect(Run({GAUNTLET_PROGRAM, "export", "out", "--controller", "tuned", "--header"}));
   Expect(Run({GAUNTLET_PROGRAM, "export", "out", "--controller", "tuned", "--text"}));
   const sim::TraceFile file = sim::ReadTraceFile(In("out/trace.h5"));
   ASSERT_EQ(file.counts.rows(), kSamples);
@@ -105,16 +104,6 @@ TEST_F(ExportedTrial, GivesTheCommandsOfTheTraceAsAFileAHeaderAndText) {
   const ProgramResult of_file = Run({GAUNTLET_REPLAY, "out/tuned.robot.yaml"}, samples);
   Expect(of_file);
   ExpectCommandsOf(file.traces.front(), of_file.standard_output);
-
-  Expect(Run(
-      {"/bin/sh", "-c",
-       fmt::format("{} -std=c++20 -O1 {} -I{} -isystem {} '-DROBOT_HEADER=\"{}\"' "
-                   "{}/tests/cli/replay.cc {} -o replay_header",
-                   GAUNTLET_CXX, GAUNTLET_CXX_FLAGS, SourceDir(), GAUNTLET_EIGEN,
-                   In("out/tuned.robot.h").string(), SourceDir(), GAUNTLET_CONTROLLER_LIBRARY)}));
-  const ProgramResult of_header = Run({In("replay_header").string()}, samples);
-  Expect(of_header);
-  EXPECT_TRUE(of_header.standard_output == of_file.standard_output);
 
   const ProgramResult of_text = Run({GAUNTLET_FROM_C, "out/tuned.robot.txt"}, samples);
   Expect(of_text);

@@ -45,7 +45,7 @@ class OddInput : public testing::Test {
     std::string line = result.standard_error;
     EXPECT_THAT(line, testing::EndsWith("\n"));
     if (!line.empty()) line.pop_back();
-    EXPECT_LE(line.size(), 300u) << line;
+    EXPECT_LE(line.size(), 400u) << line;
     EXPECT_TRUE(std::ranges::none_of(line, [](char c) { return (c >= 0 && c < ' ') || c == 127; }))
         << line;
     return line;

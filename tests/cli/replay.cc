@@ -6,20 +6,10 @@
 #include <vector>
 
 #include "controller/controller.h"
-#ifdef ROBOT_HEADER
-#include ROBOT_HEADER
-#else
 #include "sim/settings/robot_file.h"
-#endif
 
 int main(int, char** arguments) {
-#ifdef ROBOT_HEADER
-  (void)arguments;
-  static_assert(robot::kChannelCount > 0 && robot::kMotorCount > 0);
-  const gauntlet::controller::RobotConfig settings = robot::Settings();
-#else
   const gauntlet::controller::RobotConfig settings = gauntlet::sim::LoadRobot(arguments[1]);
-#endif
   gauntlet::controller::Controller controller(settings);
   std::vector<double> counts(settings.glove.channel_names.size());
   std::ios::sync_with_stdio(false);

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "controller/c_api/gauntlet_controller.h"
-#include "controller/constant_settings.h"
+#include "controller/robot_text.h"
 #include "sim/settings/robot_constants.h"
 #include "tests/controller/test_hand.h"
 #include "tests/fuzz/edited_copy.h"

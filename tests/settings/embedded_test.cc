@@ -245,11 +245,8 @@ TEST(ExportedHeaders, OfTwoControllersAreInOneProgram) {
                                      .scenario = "door \u00e9",
                                      .controller = name,
                                      .model_hash = {}};
-    for (const bool embedded : {false, true}) {
-      const std::string file = fmt::format("{}{}.h", name[0], embedded ? "_embedded" : "");
-      std::ofstream(folder.path() / file) << (embedded ? sim::RobotToEmbeddedHeader(robot, origin)
-                                                       : sim::RobotToHeader(robot, origin));
-    }
+    std::ofstream(folder.path() / fmt::format("{}.h", name[0]))
+        << sim::RobotToEmbeddedHeader(robot, origin);
   }
   const auto compile = [&](const std::string& text) {
     std::ofstream(folder.path() / "main.cc") << text;
@@ -262,15 +259,11 @@ TEST(ExportedHeaders, OfTwoControllersAreInOneProgram) {
   };
   test::ProgramResult result = compile(
       "#include \"f.h\"\n#include \"2.h\"\n"
-      "auto a = robot::of_door_first::Settings(), b = robot::of_door_2nd_tuned::Settings();\n");
-  EXPECT_EQ(result.exit_code, 0) << result.standard_error;
-  result = compile(
-      "#include \"f_embedded.h\"\n#include \"2_embedded.h\"\n"
       "robot::of_door_first::Controller a(robot::of_door_first::kSettings);\n"
       "robot::of_door_2nd_tuned::Controller b(robot::of_door_2nd_tuned::kSettings);\n");
   EXPECT_EQ(result.exit_code, 0) << result.standard_error;
   // One needs no name.
-  result = compile("#include \"f_embedded.h\"\nrobot::Controller a(robot::kSettings);\n");
+  result = compile("#include \"f.h\"\nrobot::Controller a(robot::kSettings);\n");
   EXPECT_EQ(result.exit_code, 0) << result.standard_error;
 }
 

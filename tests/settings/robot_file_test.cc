@@ -15,7 +15,7 @@
 #include <variant>
 #include <vector>
 
-#include "controller/constant_settings.h"
+#include "controller/robot_text.h"
 #include "controller/controller.h"
 #include "sim/base/error.h"
 #include "sim/settings/robot_constants.h"

@@ -4,7 +4,7 @@
 
 #include "controller/calibration/curve_fit.h"
 #include "controller/calibration/noise_estimate.h"
-#include "controller/constant_settings.h"
+#include "controller/robot_text.h"
 #include "controller/controller.h"
 #include "controller/filters/filter_registry.h"
 

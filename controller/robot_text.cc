@@ -1,4 +1,4 @@
-#include "controller/constant_settings.h"
+#include "controller/robot_text.h"
 
 #include <algorithm>
 #include <charconv>
@@ -9,7 +9,9 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,13 +21,25 @@
 namespace gauntlet::controller {
 namespace {
 
+/// The key of a setting and its value. A list or a map has its length as value, and its items
+/// behind it.
+struct TextSetting {
+  std::string_view key;
+  double number = 0.0;
+  std::string_view text = {};
+  bool is_text = false;
+
+  TextSetting(std::string_view k, double value) : key(k), number(value) {}
+  TextSetting(std::string_view k, std::string_view value) : key(k), text(value), is_text(true) {}
+};
+
 /// Takes the settings in the order of Visit(). One that is not there keeps its default, if it has
 /// one and other settings follow: a text that was cut off must not pass for one with defaults. What
 /// is unknown, given twice or out of order is left over, and refused at the end.
-class ConstantReader final : public SettingsVisitor {
+class SettingReader final : public SettingsVisitor {
  public:
-  /// `lines`: of each setting; empty if there are none.
-  ConstantReader(std::span<const ConstantSetting> settings, std::span<const int> lines)
+  /// `lines`: of each setting.
+  SettingReader(std::span<const TextSetting> settings, std::span<const int> lines)
       : settings_(settings), lines_(lines) {}
 
   void Number(const Setting& setting, double& value) override {
@@ -135,8 +149,7 @@ class ConstantReader final : public SettingsVisitor {
   }
   /// `error` with the line of the setting that was read last.
   SettingError WithLine(const SettingError& error) const {
-    if (at_ >= lines_.size()) return error;
-    return WithLine(error, lines_[at_]);
+    return at_ < lines_.size() ? WithLine(error, lines_[at_]) : error;
   }
   /// `error` of a key, with the line of what it names or is part of, if there is one.
   SettingError WithLineOf(const std::string& key, const std::string& problem) const {
@@ -162,17 +175,21 @@ class ConstantReader final : public SettingsVisitor {
   template <class Work>
   void Within(std::string_view key, const Work& work) {
     const std::size_t length = path_.size();
-    path_ += (length == 0 ? "" : ".") + std::string(key);
+    path_ = PathOf(key);
     WithinSetting(std::string(key), work);
     path_.resize(length);
+  }
+  std::string PathOf(std::string_view key) const {
+    std::string path = path_;
+    if (!path.empty()) path += '.';
+    path += key;
+    return path;
   }
   /// Whether the setting comes next. False: it keeps its default.
   bool Has(const Setting& setting) {
     at_ = place_;
     if (absent_groups_ == 0 && place_ < settings_.size() && settings_[place_].key == setting.key) {
-      if (place_ < lines_.size()) {
-        line_of_[path_ + (path_.empty() ? "" : ".") + std::string(setting.key)] = lines_[place_];
-      }
+      line_of_[PathOf(setting.key)] = lines_[place_];
       return true;
     }
     if (setting.required || place_ == settings_.size()) {
@@ -180,7 +197,7 @@ class ConstantReader final : public SettingsVisitor {
     }
     return false;
   }
-  const ConstantSetting& Next(std::string_view key) {
+  const TextSetting& Next(std::string_view key) {
     at_ = place_;
     if (place_ == settings_.size() || settings_[place_].key != key) {
       throw SettingError("", "has too few values");
@@ -188,12 +205,12 @@ class ConstantReader final : public SettingsVisitor {
     return settings_[place_++];
   }
   double NextNumber(std::string_view key) {
-    const ConstantSetting& next = Next(key);
+    const TextSetting& next = Next(key);
     if (next.is_text) throw SettingError(std::string(key), "must be a number");
     return next.number;
   }
   std::string_view NextText(std::string_view key) {
-    const ConstantSetting& next = Next(key);
+    const TextSetting& next = Next(key);
     if (!next.is_text) throw SettingError(std::string(key), "must be a text");
     return next.text;
   }
@@ -207,7 +224,7 @@ class ConstantReader final : public SettingsVisitor {
     return static_cast<std::size_t>(size);
   }
 
-  std::span<const ConstantSetting> settings_;
+  std::span<const TextSetting> settings_;
   std::span<const int> lines_;
   std::size_t place_ = 0;  // of the next setting
   std::size_t at_ = 0;     // of the one that is read
@@ -216,10 +233,10 @@ class ConstantReader final : public SettingsVisitor {
   std::map<std::string, int, std::less<>> line_of_;
 };
 
-/// The constants that a text says, line by line.
-class ConstantParser {
+/// The settings that a text says, line by line.
+class TextParser {
  public:
-  explicit ConstantParser(std::string_view text) {
+  explicit TextParser(std::string_view text) {
     for (int number = 1; !text.empty(); ++number) {
       const std::size_t end = std::min(text.find('\n'), text.size());
       rest_ = text.substr(0, end);
@@ -228,7 +245,7 @@ class ConstantParser {
       lines_.resize(settings_.size(), number);
     }
   }
-  std::span<const ConstantSetting> settings() const { return settings_; }
+  std::span<const TextSetting> settings() const { return settings_; }
   std::span<const int> lines() const { return lines_; }
 
  private:
@@ -300,7 +317,7 @@ class ConstantParser {
 
   std::string_view rest_;          // of the line
   std::deque<std::string> texts_;  // which the settings refer to
-  std::vector<ConstantSetting> settings_;
+  std::vector<TextSetting> settings_;
   std::vector<int> lines_;  // of each setting
 };
 
@@ -318,18 +335,10 @@ std::string KeyInText(const std::string& key) {
 
 }  // namespace
 
-RobotConfig RobotFromConstants(std::span<const ConstantSetting> settings) {
-  RobotConfig robot;
-  ConstantReader reader(settings, {});
-  robot.Visit(reader);
-  reader.ExpectEnd();
-  return robot;
-}
-
 RobotConfig RobotFromText(std::string_view text) {
-  const ConstantParser parser(text);
+  const TextParser parser(text);
   RobotConfig robot;
-  ConstantReader reader(parser.settings(), parser.lines());
+  SettingReader reader(parser.settings(), parser.lines());
   try {
     robot.Visit(reader);
     reader.ExpectEnd();
