@@ -5,6 +5,7 @@ import json
 import re
 import unittest
 
+import gauntlet
 from support import SOURCE, Test, program
 
 PAGE = SOURCE / "docs/how-to/python.md"
@@ -18,12 +19,25 @@ def printed(code, names):
     return [line.rstrip() for line in text.getvalue().strip("\n").split("\n")]
 
 
+def export_robot():
+    program("run", "hold_still", "--set", "glove.motion.duration_s=0.2", "--causes", "none", "--out", "out")
+    program("export", "out", "--controller", "raw", "--out", "robot.yaml")
+
+
 class Docs(Test):
+    def test_three_lines_of_the_controllers_readme_drive_a_robot(self):
+        lines, = re.findall(r"```python\n(.*?)```", (SOURCE / "controller/README.md").read_text(), re.S)
+        self.assertEqual(lines.count("\n"), 3)
+        export_robot()
+        names = {"gauntlet": gauntlet, "motor_counts": [2048] * 18, "counts": [400.0] * 18}
+        exec(lines, names)
+        self.assertTrue(names["controller"].event)
+        self.assertNotEqual(list(names["motor_counts"]), [2048] * 18)
+
     def test_examples_of_the_page_print_what_stands_below_them(self):
         blocks = re.findall(r"```python\n(.*?)```(?:\n+```text\n(.*?)```)?", PAGE.read_text(), re.S)
         self.assertGreater(len(blocks), 5)
-        program("run", "hold_still", "--set", "glove.motion.duration_s=0.2", "--causes", "none", "--out", "out")
-        program("export", "out", "--controller", "raw", "--out", "robot.yaml")
+        export_robot()
         names = {}
         for code, expected in blocks:
             shown = printed(code, names)
