@@ -8,10 +8,47 @@
 /// constants.
 namespace gauntlet::embedded {
 
+/// A bank of Kalman filters that are mixed by how far each has missed of late, as
+/// controller::AdaptivePredictionConfig says; kept for so many `Steps`. None: no prediction.
+template <std::size_t Channels, std::size_t Steps>
+struct Prediction {
+  static constexpr std::size_t kFilters = 6;
+  float transition[kFilters * 3][3];  // A of each filter, row below row
+  float angle_of_state[kFilters][2];  // H; no filter has its third state in the angle
+  float gain[kFilters * 3][Channels];
+  float look_ahead[kFilters * 3][Channels];
+  float inverse_r[Channels];  // 1/rad^2
+  std::uint32_t delay_steps[Channels];
+  float forget;
+  float least_miss;
+  float most_miss;
+};
+template <std::size_t Channels>
+struct Prediction<Channels, 0> {};
+
+/// What the bank keeps.
+template <std::size_t Channels, std::size_t Steps>
+struct PredictionState {
+  static constexpr std::size_t kFilters = Prediction<Channels, Steps>::kFilters;
+  struct Channel {
+    float x[kFilters][3];
+    float miss[kFilters];
+    float start_rad;    // where it was before its first sample
+    std::uint32_t age;  // in steps since then, up to Steps
+    bool fresh;         // its next sample is its first
+  };
+  Channel channels[Channels];
+  float expected_rad[Steps][kFilters][Channels];  // by each filter, one step in each row
+  std::size_t newest;                             // row
+};
+template <std::size_t Channels>
+struct PredictionState<Channels, 0> {};
+
 /// What `gauntlet export --embedded` writes. Belongs into read-only memory.
 ///
 /// Shapes: as the arrays say. Units: counts of the converter, rad, motor counts, samples or ticks.
-template <std::size_t Channels, std::size_t Joints, std::size_t Motors, std::size_t Corners>
+template <std::size_t Channels, std::size_t Joints, std::size_t Motors, std::size_t Corners,
+          std::size_t Steps = 0>
 struct Settings {
   // Which samples are trusted, as SampleGuard does.
   float min_counts[Channels];  // of the converter
@@ -50,6 +87,8 @@ struct Settings {
   float motor_stay_counts;  // a command stays while it is no farther off; 0: nearest
 
   std::uint32_t ticks_per_event;
+
+  [[no_unique_address]] Prediction<Channels, Steps> prediction = {};
 };
 
 /// From glove to motors, one call per tick of the control loop: controller::Controller for what
@@ -57,16 +96,18 @@ struct Settings {
 ///
 ///     filter   x^- = x + w + a/2,  w^- = w + a,  e = z - x^-
 ///              x = x^- + k1 e,  w = w^- + k2 e,  a = a + k3 e
+///     bank     x^- = A x,  x = x^- + K (z - H x^-),  y = look_ahead x  for each filter
 ///
 /// Its commands are at most one count (with a wider hysteresis, that much) beside those of
 /// controller::Controller, which has the same equations in `double` and says where they come from
 /// (tests/settings/embedded_test.cc). It starts and loses samples as that one does: until the first
 /// good sample of its channel a joint stays where Reset() says that the motors are. One difference:
 /// frames have no numbers.
-template <std::size_t Channels, std::size_t Joints, std::size_t Motors, std::size_t Corners>
+template <std::size_t Channels, std::size_t Joints, std::size_t Motors, std::size_t Corners,
+          std::size_t Steps = 0>
 class Controller {
  public:
-  using Constants = Settings<Channels, Joints, Motors, Corners>;
+  using Constants = Settings<Channels, Joints, Motors, Corners, Steps>;
 
   /// The motors are at their centers. `settings` is not copied.
   explicit Controller(const Constants& settings) noexcept : settings_(settings) {
@@ -211,6 +252,7 @@ class Controller {
     channel.w = 0.0F;
     channel.a = 0.0F;
     channel.angle_rad = AngleOf(i, channel.trusted);
+    if constexpr (Steps > 0) prediction_.channels[i].fresh = true;
   }
   void Filter() noexcept {
     for (std::size_t i = 0; i < Channels; ++i) {
@@ -223,6 +265,62 @@ class Controller {
       channel.a += settings_.gain[2][i] * error;
       channel.angle_rad = settings_.filter_angles ? channel.x : AngleOf(i, channel.x);
     }
+    if constexpr (Steps > 0) Predict();
+  }
+
+  void Predict() noexcept {
+    std::size_t& newest = prediction_.newest;
+    newest = newest + 1 == Steps ? 0 : newest + 1;
+    for (std::size_t i = 0; i < Channels; ++i) {
+      auto& bank = prediction_.channels[i];
+      float& angle_rad = channels_[i].angle_rad;
+      if (bank.fresh) {
+        bank = {};
+        bank.start_rad = angle_rad;
+        for (auto& x : bank.x) x[0] = angle_rad;
+        for (float& miss : bank.miss) miss = 1.0F;
+        continue;
+      }
+      if (bank.age < Steps) ++bank.age;
+      angle_rad = Mixed(i, angle_rad);
+    }
+  }
+  /// One step of all filters of a channel; what they expect, weighted by (mean square miss)^-3.
+  float Mixed(std::size_t i, float measured_rad) noexcept {
+    const auto& bank = settings_.prediction;
+    auto& channel = prediction_.channels[i];
+    const std::size_t newest = prediction_.newest;
+    const std::size_t delay = bank.delay_steps[i];
+    const std::size_t then = newest >= delay ? newest - delay : newest + Steps - delay;
+    float sum = 0.0F;
+    float shares = 0.0F;
+    for (std::size_t m = 0; m < bank.kFilters; ++m) {
+      const float was_expected =
+          channel.age <= delay ? channel.start_rad : prediction_.expected_rad[then][m][i];
+      const float off = measured_rad - was_expected;
+      const float square = Clamp(off * off * bank.inverse_r[i], bank.least_miss, bank.most_miss);
+      float& miss = channel.miss[m];
+      miss += bank.forget * (square - miss);
+
+      float* x = channel.x[m];
+      float prior[3];
+      for (std::size_t s = 0; s < 3; ++s) {
+        const float* a = bank.transition[3 * m + s];
+        prior[s] = a[0] * x[0] + a[1] * x[1] + a[2] * x[2];
+      }
+      const float* h = bank.angle_of_state[m];
+      const float error = measured_rad - (h[0] * prior[0] + h[1] * prior[1]);
+      float ahead = 0.0F;
+      for (std::size_t s = 0; s < 3; ++s) {
+        x[s] = prior[s] + bank.gain[3 * m + s][i] * error;
+        ahead += bank.look_ahead[3 * m + s][i] * x[s];
+      }
+      prediction_.expected_rad[newest][m][i] = ahead;
+      const float share = 1.0F / (miss * miss * miss);
+      sum += share * ahead;
+      shares += share;
+    }
+    return sum / shares;
   }
 
   void MoveJoints() noexcept {
@@ -255,6 +353,7 @@ class Controller {
 
   const Constants& settings_;
   Channel channels_[Channels];
+  [[no_unique_address]] PredictionState<Channels, Steps> prediction_ = {};
   float joint_rad_[Joints];
   Motor motors_[Motors];
   std::uint32_t ticks_to_event_;

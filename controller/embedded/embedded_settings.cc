@@ -12,6 +12,7 @@
 #include "controller/filters/steady_gains.h"
 #include "controller/joint_map.h"
 #include "controller/linearisation/linearisation.h"
+#include "controller/prediction/adaptive_bank.h"
 #include "controller/tendon_map.h"
 
 namespace gauntlet::controller {
@@ -95,6 +96,7 @@ class Builder {
     AddFilter();
     AddJoints();
     AddMotors();
+    AddPrediction();
     return std::move(settings_);
   }
 
@@ -104,15 +106,21 @@ class Builder {
   static constexpr int kMost = 1 << 24;  // whole numbers beyond have no value of their own in float
 
   void Add(std::string_view name, double value, EmbeddedValue::Type type) {
-    settings_.values.push_back({.name = name, .type = type, .values = {value}});
+    settings_.values.push_back({.group = group_, .name = name, .type = type, .values = {value}});
   }
   void AddList(std::string_view name, std::vector<double> values,
                EmbeddedValue::Type type = EmbeddedValue::kFloat, std::size_t columns = 0) {
-    settings_.values.push_back({.name = name,
+    settings_.values.push_back({.group = group_,
+                                .name = name,
                                 .type = type,
                                 .values = std::move(values),
                                 .columns = columns,
                                 .is_list = true});
+  }
+  void AddMatrix(std::string_view name, const Eigen::ArrayXXd& matrix) {
+    const Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = matrix;
+    AddList(name, {rows.data(), rows.data() + rows.size()}, EmbeddedValue::kFloat,
+            static_cast<std::size_t>(rows.cols()));
   }
   void AddCounts(std::string_view name, const std::vector<int>& counts) {
     AddList(name, {counts.begin(), counts.end()}, EmbeddedValue::kInteger);
@@ -175,18 +183,46 @@ class Builder {
     AddList("rad_per_count", slopes, EmbeddedValue::kFloat, count - 1);
   }
   void AddFilter() {
-    if (!std::holds_alternative<NoPredictionConfig>(config_.prediction.settings)) {
-      Refuse("prediction",
-             "is " + std::string(KindName(config_.prediction.settings)) + ", must be none");
-    }
     const bool at_event = config_.filter_at == FilterAt::kEvent;
     Add("filter_angles", config_.filter_on == FilterOn::kAngle ? 1.0 : 0.0, EmbeddedValue::kFlag);
     Add("filter_at_event", at_event ? 1.0 : 0.0, EmbeddedValue::kFlag);
-    const Timing& timing = robot_.timing;
-    const Eigen::Array<double, 3, Eigen::Dynamic, Eigen::RowMajor> gains =
-        GainsOf(config_, static_cast<int>(channels_),
-                at_event ? timing.event_rate_hz() : timing.sample_rate_hz());
-    AddList("gain", {gains.data(), gains.data() + gains.size()}, EmbeddedValue::kFloat, channels_);
+    AddMatrix("gain", GainsOf(config_, static_cast<int>(channels_), StepRate()));
+  }
+  double StepRate() const {
+    const bool at_event = config_.filter_at == FilterAt::kEvent;
+    return at_event ? robot_.timing.event_rate_hz() : robot_.timing.sample_rate_hz();
+  }
+  void AddPrediction() {
+    const auto& prediction = config_.prediction.settings;
+    if (std::holds_alternative<NoPredictionConfig>(prediction)) return;
+    const auto* adaptive = std::get_if<AdaptivePredictionConfig>(&prediction);
+    if (adaptive == nullptr) {
+      Refuse("prediction",
+             "is " + std::string(KindName(prediction)) + ", must be none or adaptive");
+    }
+    const auto channels = static_cast<int>(channels_);
+    const AdaptiveBank bank = BankOf(*adaptive, channels, StepRate(), channels);
+    settings_.step_count = static_cast<std::size_t>(bank.kept_steps());
+    const auto members = static_cast<Eigen::Index>(bank.members.size());
+    Eigen::ArrayXXd transition(3 * members, 3), angle_of_state(members, 2);
+    Eigen::ArrayXXd gain(3 * members, channels), look_ahead(3 * members, channels);
+    for (Eigen::Index m = 0; m < members; ++m) {
+      const AdaptiveBank::Member& member = bank.members[static_cast<std::size_t>(m)];
+      transition.middleRows(3 * m, 3) = member.transition.array();
+      angle_of_state.row(m) = member.angle_of_state.head<2>().array();
+      gain.middleRows(3 * m, 3) = member.gain;
+      look_ahead.middleRows(3 * m, 3) = member.look_ahead;
+    }
+    group_ = "prediction";
+    AddMatrix("transition", transition);
+    AddMatrix("angle_of_state", angle_of_state);
+    AddMatrix("gain", gain);
+    AddMatrix("look_ahead", look_ahead);
+    AddList("inverse_r", bank.inverse_r);
+    AddCounts("delay_steps", bank.delay_steps);
+    Add("forget", bank.forget, EmbeddedValue::kFloat);
+    Add("least_miss", AdaptiveBank::kLeastMiss, EmbeddedValue::kFloat);
+    Add("most_miss", AdaptiveBank::kMostMiss, EmbeddedValue::kFloat);
   }
   void AddJoints() {
     if (config_.model_predictive.kind != ModelPredictiveKind::kNone) {
@@ -256,11 +292,8 @@ class Builder {
     AddCounts("motor_min_counts", hand.min_counts);
     AddCounts("motor_max_counts", hand.max_counts);
     AddList("motor_limit_counts", limit);
-    const std::size_t motors = hand.motor_names.size();
-    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> back =
-        map.AnglePerCount().unaryExpr([](double v) { return std::isfinite(v) ? v : 0.0; });
-    AddList("joint_rad_per_count", {back.data(), back.data() + back.size()}, EmbeddedValue::kFloat,
-            motors);
+    AddMatrix("joint_rad_per_count", map.AnglePerCount().array().unaryExpr(
+                                         [](double v) { return std::isfinite(v) ? v : 0.0; }));
     AddList("joint_of_channel", joint_of_channel_, EmbeddedValue::kInteger);
     if (config_.motor.rounding == Rounding::kNoiseShaping) {
       Refuse("motor.rounding", "is noise_shaping, must be nearest or hysteresis");
@@ -283,6 +316,7 @@ class Builder {
   Controller checked_;  // throws for what no controller can be made of
   std::vector<ConverterRange> converters_;
   EmbeddedSettings settings_;
+  std::string_view group_;                // of the members that are added
   std::vector<double> joint_of_channel_;  // -1: none
 };
 

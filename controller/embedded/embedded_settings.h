@@ -8,9 +8,11 @@
 
 namespace gauntlet::controller {
 
-/// One member of embedded::Settings: a value, a list, or a matrix in row-major order.
+/// One member of embedded::Settings, or of its member `group`: a value, a list, or a matrix in
+/// row-major order.
 struct GAUNTLET_API EmbeddedValue {
   enum Type { kFloat, kInteger, kFlag };
+  std::string_view group = {};
   std::string_view name;
   Type type = kFloat;
   std::vector<double> values;
@@ -21,6 +23,7 @@ struct GAUNTLET_API EmbeddedValue {
 /// The settings of embedded::Controller, in the order of embedded::Settings.
 struct GAUNTLET_API EmbeddedSettings {
   std::size_t corner_count = 0;  // of the linearisation
+  std::size_t step_count = 0;    // that the prediction keeps; 0 without
   std::vector<EmbeddedValue> values;
 };
 
@@ -28,7 +31,7 @@ struct GAUNTLET_API EmbeddedSettings {
 ///
 /// Errors: SettingError for what a Controller cannot be made of, and for what the embedded form
 /// does not hold, with what does: several filters or one without constant gains, a start from zero,
-/// a polynomial, prediction, noise shaping, an event period that is no whole number of ticks.
+/// a polynomial, a prediction but `adaptive`, noise shaping, an event period that is no whole number of ticks.
 GAUNTLET_API EmbeddedSettings EmbeddedSettingsOf(const RobotConfig& robot);
 
 }  // namespace gauntlet::controller

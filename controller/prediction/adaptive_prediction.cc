@@ -11,6 +11,7 @@
 #include "controller/filters/state_filter.h"
 #include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
+#include "controller/prediction/adaptive_bank.h"
 #include "controller/prediction/history.h"
 #include "controller/prediction/horizon.h"
 #include "controller/prediction/measurement_noise.h"
@@ -21,16 +22,16 @@ namespace gauntlet::controller {
 namespace {
 
 constexpr double kDamping = 0.03;
-// Of the variance: 0.1 and 100 standard deviations. Even one that never misses has a finite share.
-constexpr double kLeastMiss = 1e-2;
-constexpr double kMostMiss = 1e4;
+constexpr double kLeastMiss = AdaptiveBank::kLeastMiss;
+constexpr double kMostMiss = AdaptiveBank::kMostMiss;
+constexpr int kExperts = std::size(kPredictionBank);
 
 struct Expert {
   MotionModel model;
   bool looks_ahead = true;
 };
 
-std::array<Expert, 6> Bank() {
+std::array<Expert, kExperts> Experts() {
   return {{{WhiteAcceleration(1e3), false},
            {WhiteJerk(1e6)},
            {Swing(0.5, kDamping, 1e6, 10.0)},
@@ -38,7 +39,6 @@ std::array<Expert, 6> Bank() {
            {Swing(2.0, kDamping, 1e6, 100.0)},
            {Swing(3.0, kDamping, 1e5, 300.0)}}};
 }
-constexpr int kExperts = std::tuple_size_v<decltype(Bank())>;
 
 /// What one filter of the bank keeps per channel of the first row: its state and its gain.
 enum FilterValue { kX0, kX1, kX2, kGain0, kGain1, kGain2, kFilterValues };
@@ -116,41 +116,30 @@ GAUNTLET_VECTORISED void DivideByShares(const double* sum, const double* shares,
 
 class AdaptivePredictor final : public StateFilter<Filter> {
  public:
-  AdaptivePredictor(const Eigen::ArrayXd& horizon_steps, const Eigen::ArrayXd& r_deg2,
-                    double memory_steps, double rate_hz, int rows)
-      : StateFilter(Start::kFirst, horizon_steps.size()),
+  AdaptivePredictor(const AdaptiveBank& bank, int rows)
+      : StateFilter(Start::kFirst, bank.channel_count()),
         rows_(rows),
         row_length_(channel_count() / rows),
-        forget_(-std::expm1(-1.0 / memory_steps)),
-        delay_(horizon_steps.size()),
-        old_steps_(1 + std::max(1, static_cast<int>(std::lround(horizon_steps.maxCoeff())))),
+        forget_(bank.forget),
+        delay_(bank.delay_steps),
+        old_steps_(bank.kept_steps()),
         history_(old_steps_, kExperts * channel_count()),
         start_(delay_.size()),
         age_(delay_.size()),
         filters_(kExperts * kFilterValues, row_length_),
         row_values_(kExperts * kRowValues, channel_count()),
         scratch_(kScratchArrays, channel_count()) {
-    for (int i = 0; i < channel_count(); ++i) {
-      delay_[i] = std::max(1, static_cast<int>(std::lround(horizon_steps[i])));
-      scratch_[kInverseR][i] = 1.0 / (kRadPerDeg * kRadPerDeg * r_deg2[i]);
-    }
-    const auto bank = Bank();
+    std::ranges::copy(bank.inverse_r, scratch_[kInverseR]);
     for (int m = 0; m < kExperts; ++m) {
-      const auto& [model, looks_ahead] = bank[m];
-      for (int i = 0; i < row_length_; ++i) {
-        const bool same = i > 0 && r_deg2[i] == r_deg2[i - 1];
-        const SettledFilter filter =
-            same ? SettledFilter{} : Settle(model, r_deg2[i], 1.0 / rate_hz);
-        if (i == 0) SetTransition(m, filter.a, model.h);
-        for (int state = 0; state < 3; ++state) {
-          double* gain = OfFilter(m, kGain0 + state);
-          gain[i] = same ? gain[i - 1] : filter.k[state];
+      const AdaptiveBank::Member& member = bank.members[static_cast<std::size_t>(m)];
+      SetTransition(m, member.transition, member.angle_of_state);
+      for (int state = 0; state < 3; ++state) {
+        for (int i = 0; i < row_length_; ++i) {
+          OfFilter(m, kGain0 + state)[i] = member.gain(state, i);
         }
-      }
-      for (int i = 0; i < channel_count(); ++i) {
-        const Eigen::RowVector3d ahead =
-            LookAhead(model, looks_ahead ? horizon_steps[i] / rate_hz : 0.0);
-        for (int state = 0; state < 3; ++state) OfRows(m, kAhead0 + state)[i] = ahead[state];
+        for (int i = 0; i < channel_count(); ++i) {
+          OfRows(m, kAhead0 + state)[i] = member.look_ahead(state, i);
+        }
       }
     }
     Reset();
@@ -259,14 +248,48 @@ void AdaptivePredictionConfig::Visit(SettingsVisitor& visitor) {
   visitor.Number({"memory_ms", "how long a miss is remembered", 1, 1e5}, memory_ms);
 }
 
+int AdaptiveBank::kept_steps() const { return 1 + std::ranges::max(delay_steps); }
+
+AdaptiveBank BankOf(const AdaptivePredictionConfig& config, int channel_count, double rate_hz,
+                    int settled_channels) {
+  CheckFilter(config, channel_count, rate_hz);
+  const Eigen::ArrayXd horizon_steps = HorizonSteps(config.horizon_ms, channel_count, rate_hz);
+  const Eigen::ArrayXd r_deg2 = PerChannel("r_deg2", config.r_deg2, channel_count);
+  const double memory_steps = config.memory_ms * 1e-3 * rate_hz;
+  AdaptiveBank bank;
+  bank.forget = -std::expm1(-1.0 / memory_steps);
+  for (int i = 0; i < channel_count; ++i) {
+    bank.delay_steps.push_back(std::max(1, static_cast<int>(std::lround(horizon_steps[i]))));
+    bank.inverse_r.push_back(1.0 / (kRadPerDeg * kRadPerDeg * r_deg2[i]));
+  }
+  const auto experts = Experts();
+  for (std::size_t m = 0; m < experts.size(); ++m) {
+    const auto& [model, looks_ahead] = experts[m];
+    AdaptiveBank::Member& member = bank.members[m];
+    member.angle_of_state = model.h;
+    member.gain.resize(3, settled_channels);
+    member.look_ahead.resize(3, channel_count);
+    for (int i = 0; i < settled_channels; ++i) {
+      if (i > 0 && r_deg2[i] == r_deg2[i - 1]) {
+        member.gain.col(i) = member.gain.col(i - 1);
+        continue;
+      }
+      const SettledFilter filter = Settle(model, r_deg2[i], 1.0 / rate_hz);
+      member.transition = filter.a;
+      member.gain.col(i) = filter.k.array();
+    }
+    for (int i = 0; i < channel_count; ++i) {
+      member.look_ahead.col(i) =
+          LookAhead(model, looks_ahead ? horizon_steps[i] / rate_hz : 0.0).transpose().array();
+    }
+  }
+  return bank;
+}
+
 std::unique_ptr<Filter> MakePredictor(const AdaptivePredictionConfig& config, int channel_count,
                                       double rate_hz, int rows) {
-  CheckFilter(config, channel_count, rate_hz);
-  static_assert(std::size(kPredictionBank) == kExperts);
   return std::make_unique<AdaptivePredictor>(
-      HorizonSteps(config.horizon_ms, channel_count, rate_hz),
-      PerChannel("r_deg2", config.r_deg2, channel_count), config.memory_ms * 1e-3 * rate_hz,
-      rate_hz, rows);
+      BankOf(config, channel_count, rate_hz, channel_count / rows), rows);
 }
 
 }  // namespace gauntlet::controller

@@ -200,7 +200,13 @@ std::string RobotToText(const controller::RobotConfig& robot, const RobotOrigin&
 std::string RobotToEmbeddedHeader(const controller::RobotConfig& robot, const RobotOrigin& origin) {
   const controller::EmbeddedSettings settings = controller::EmbeddedSettingsOf(robot);
   std::string members;
-  for (const controller::EmbeddedValue& member : settings.values) members += EmbeddedMember(member);
+  std::string_view group;
+  for (const controller::EmbeddedValue& member : settings.values) {
+    if (member.group != group) members += fmt::format("    .{} = {{\n", member.group);
+    group = member.group;
+    members += EmbeddedMember(member);
+  }
+  if (!group.empty()) members += "    },\n";
   return fmt::format(
       R"(// Controller {controller} of scenario {scenario} (hand model {hash}), written by
 // gauntlet {version} export, for a microcontroller: C++20, no library.
@@ -218,10 +224,10 @@ inline namespace {name} {{
 inline constexpr int kChannelCount = {channels};
 inline constexpr int kMotorCount = {motors};
 inline constexpr int kTicksPerSample = {every};
-inline constexpr gauntlet::embedded::Settings<{channels}, {joints}, {motors}, {corners}> kSettings = {{
+inline constexpr gauntlet::embedded::Settings<{channels}, {joints}, {motors}, {corners}, {steps}> kSettings = {{
 {members}}};
 
-using Controller = gauntlet::embedded::Controller<{channels}, {joints}, {motors}, {corners}>;
+using Controller = gauntlet::embedded::Controller<{channels}, {joints}, {motors}, {corners}, {steps}>;
 
 }}  // namespace {name}
 }}  // namespace robot
@@ -233,7 +239,7 @@ using Controller = gauntlet::embedded::Controller<{channels}, {joints}, {motors}
       fmt::arg("channels", robot.glove.channel_names.size()),
       fmt::arg("joints", robot.hand.joint_names.size()),
       fmt::arg("motors", robot.hand.motor_names.size()), fmt::arg("corners", settings.corner_count),
-      fmt::arg("members", members));
+      fmt::arg("steps", settings.step_count), fmt::arg("members", members));
 }
 
 }  // namespace gauntlet::sim
