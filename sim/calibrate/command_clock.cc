@@ -171,13 +171,13 @@ struct Search {
 };
 
 /// Step between two tried periods, as a share in ShareOf().
-constexpr double kStep = 0.1;
+constexpr double kPeriodStep = 0.1;
 
 /// True if all changes may have this period, or one that differs by half a step.
 bool MayBear(std::span<const Change> changes, double period_rows) {
   constexpr double kManyRows = 200.0;
   const Arc arc = ArcOf(changes, period_rows);
-  if (arc.rows > 1.0 + ShareOf(kJitter + kStep, period_rows)) return false;
+  if (arc.rows > 1.0 + ShareOf(kJitter + kPeriodStep, period_rows)) return false;
   const double without = ShareWithoutFrame(arc, period_rows, changes.front().row,
                                            std::max(RowsOf(changes), kManyRows));
   return without > 0.5 * (1.0 - 1.0 / period_rows);  // half the share for exact frames
@@ -191,7 +191,7 @@ std::optional<CommandClock> LongestPeriod(const std::vector<Change>& changes,
                        changes.begin() + static_cast<std::ptrdiff_t>(search.end));
   double period = search.high_rows;
   while (period > search.low_rows) {
-    const double step = ShareOf(kStep, period) * period / RowsOf(part);
+    const double step = ShareOf(kPeriodStep, period) * period / RowsOf(part);
     if (MayBear(part, period)) {
       const auto found =
           part.size() == changes.size()

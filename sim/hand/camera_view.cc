@@ -6,20 +6,20 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr const char* kHandCamera = "hand";
-constexpr const char* kFingers = "fingers";
+constexpr const char* kFingersName = "fingers";
 constexpr const char* kCloseUp = "close_up";
 
 }  // namespace
 
 CameraView CameraViewOf(const std::string& name) {
-  if (name == kFingers) return {.camera = kHandCamera, .framed = Framed::kFingers};
+  if (name == kFingersName) return {.camera = kHandCamera, .framed = Framed::kFingers};
   if (name == kCloseUp) return {.camera = kHandCamera, .framed = Framed::kFinger};
   return {.camera = name};
 }
 
 std::vector<std::string> CameraViewNames(std::vector<std::string> cameras) {
   if (std::ranges::find(cameras, kHandCamera) != cameras.end()) {
-    cameras.insert(cameras.end(), {kFingers, kCloseUp});
+    cameras.insert(cameras.end(), {kFingersName, kCloseUp});
   }
   return cameras;
 }

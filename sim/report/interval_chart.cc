@@ -75,7 +75,7 @@ void AddTornadoBar(Figure& figure, const Panel& panel, const TornadoBar& bar,
 }  // namespace
 
 std::string ResponseSvg(const Response& response, std::size_t metric, const std::string& setting) {
-  constexpr double kLegendLine = 18.0, kLegendColumn = 230.0;
+  constexpr double kEntryHeight = 18.0, kEntryWidth = 230.0;
   const std::string score(Metrics()[response.metrics[metric]].key);
   const std::size_t controllers = response.controllers.size();
   Extent x_range, y_range;
@@ -88,17 +88,17 @@ std::string ResponseSvg(const Response& response, std::size_t metric, const std:
   y_range = {y_range.low - (y_range.low < 0.0 ? margin : 0.0), y_range.high + margin};
   Figure figure{520.0, 300.0, "response", fmt::format("{} over {}", score, setting)};
   FigureBox area = figure.Inside();
-  area.top = 16.0 + kLegendLine * std::ceil(0.5 * static_cast<double>(controllers));
+  area.top = 16.0 + kEntryHeight * std::ceil(0.5 * static_cast<double>(controllers));
   const Panel panel(area, {x_range, setting, 6}, {y_range, score, 5, true});
   panel.AddAxes(figure);
   for (std::size_t c = 0; c < controllers; ++c) {
     AddResponse(figure, panel, response, metric, c, setting);
-    const double x = area.left + kLegendColumn * static_cast<double>(c % 2);
+    const double x = area.left + kEntryWidth * static_cast<double>(c % 2);
     const std::size_t line = c / 2;
-    const double y = 10.0 + kLegendLine * static_cast<double>(line);
+    const double y = 10.0 + kEntryHeight * static_cast<double>(line);
     figure.Dot({x + 5.0, y}, 4.5, InkOfSeries(c + 1, ""));
     figure.Text({x + 16.0, y + kFigureLayout.baseline}, Anchor::kStart,
-                FittedText(response.controllers[c], kLegendColumn - 24.0), {"name"});
+                FittedText(response.controllers[c], kEntryWidth - 24.0), {"name"});
   }
   return SvgOf(figure);
 }

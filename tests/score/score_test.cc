@@ -241,12 +241,12 @@ TEST(Scores, OfALinkAreThoseOfItsSignals) {
   EXPECT_NEAR(value("sample_age_p50_ms"), 34.0, 1.0);
   EXPECT_NEAR(value("sample_age_p99_ms"), 44.0, 1.0);
   EXPECT_DOUBLE_EQ(value("sample_age_max_ms"), 124.0);
-  constexpr double kSamples = FullExample::kSamples;
+  constexpr double kSampleCount = FullExample::kSamples;
   // Four of the five frames of the gap.
-  EXPECT_NEAR(value("frozen_share"), 80.0 / (kSamples - 20.0), 1e-12);
-  EXPECT_NEAR(value("watchdog_hold_share"), 300.0 / kSamples, 1e-12);
-  EXPECT_NEAR(value("watchdog_relax_share"), 200.0 / kSamples, 1e-12);
-  EXPECT_NEAR(value("watchdog_off_share"), 100.0 / kSamples, 1e-12);
+  EXPECT_NEAR(value("frozen_share"), 80.0 / (kSampleCount - 20.0), 1e-12);
+  EXPECT_NEAR(value("watchdog_hold_share"), 300.0 / kSampleCount, 1e-12);
+  EXPECT_NEAR(value("watchdog_relax_share"), 200.0 / kSampleCount, 1e-12);
+  EXPECT_NEAR(value("watchdog_off_share"), 100.0 / kSampleCount, 1e-12);
   EXPECT_DOUBLE_EQ(scores.channels[2][MetricIndex("command_jump_deg")], 40.0 * 0.2);
 }
 
