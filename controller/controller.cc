@@ -105,6 +105,11 @@ std::span<const double> Controller::target_angle_rad() const noexcept {
   if (!state_) return {};
   return state_->target_rad;
 }
+std::optional<Untrusted> Controller::untrusted(int channel) const noexcept {
+  const bool exists = channel >= 0 && channel < channel_count();
+  if (!exists || !state_->judged) return {};
+  return state_->guard.reason(static_cast<std::size_t>(channel));
+}
 double Controller::sample_age_ms(int channel) const noexcept {
   if (channel < 0 || channel >= channel_count()) return kNaN;
   const auto ticks = state_->watch.ticks_since_trusted(static_cast<std::size_t>(channel));

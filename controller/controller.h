@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -108,6 +109,10 @@ class GAUNTLET_API Controller {
   std::span<const std::int64_t> untrusted_samples() const noexcept;
   /// The same for one reason.
   std::span<const std::int64_t> untrusted_samples(Untrusted kind) const noexcept;
+  /// Reason why the last Step() did not trust the value of a channel: of its sample, or `kMissing`
+  /// if a sample was overdue. None if it was trusted, no sample was due, or the channel is out of
+  /// range.
+  std::optional<Untrusted> untrusted(int channel) const noexcept;
   /// Time since the last trusted value of a channel [ms], in ticks of the loop; since Reset() if
   /// there was none. NaN for a channel out of range.
   double sample_age_ms(int channel) const noexcept;

@@ -99,6 +99,7 @@ Command Controller::State::Step(const GloveSample* sample) noexcept {
   const bool overdue = watch.Tick(sample != nullptr);
   if (sample != nullptr) TakeSample(*sample);
   if (overdue) guard.Miss();
+  judged = overdue || sample != nullptr;
   const bool event = StepEvent();
   return {.motor_counts = motor_counts, .event = event, .glove = Status()};
 }
@@ -190,6 +191,7 @@ void Controller::State::Reset() noexcept {
   estimator.ToCounts(start_counts);
   guard.Reset(start_counts);
   watch.Reset();
+  judged = false;
   std::fill(lost.begin(), lost.end(), std::uint8_t{0});
   estimator.Reset(guard.trusted_counts());
   estimator.linearisation().ToAngles(guard.trusted_counts(), linearised_rad);
@@ -207,6 +209,7 @@ void Controller::State::TakeOver(State& before) noexcept {
   estimator.linearisation().ToCounts(before.estimator.filtered_rad(), start_counts);
   guard.TakeMemory(before.guard, start_counts);
   watch.TakeMemory(before.watch);
+  std::swap(judged, before.judged);
   lost.swap(before.lost);
   lost_rad.swap(before.lost_rad);
   if (!watch.on()) std::fill(lost.begin(), lost.end(), std::uint8_t{0});

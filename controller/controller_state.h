@@ -65,6 +65,7 @@ struct __attribute__((visibility("hidden"))) Controller::State {
   std::vector<double> rest_rad;  // per channel, of the reference posture
 
   // What flows.
+  bool judged = false;  // the last tick had a sample, or one was overdue
   PeriodicClock event_clock;
   std::vector<double> linearised_rad;  // per channel, not filtered
   std::vector<double> start_counts;    // of the guard

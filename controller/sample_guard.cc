@@ -172,7 +172,7 @@ bool SampleGuard::TakeTrusted(const GloveSample& sample, bool stale) noexcept {
 
 void SampleGuard::Refuse(int channel, Untrusted kind) noexcept {
   const auto index = static_cast<std::size_t>(channel);
-  held_[index] = 1;
+  held_[index] = static_cast<std::uint8_t>(1 + static_cast<int>(kind));
   ++untrusted_samples_[index];
   ++untrusted_by_kind_[static_cast<std::size_t>(kind)][index];
 }

@@ -48,6 +48,11 @@ class SampleGuard {
   /// Whether the last sample, or absence of one, has a value of this channel that is trusted.
   bool trusted(std::size_t channel) const noexcept { return all_trusted_ || held_[channel] == 0; }
   bool all_trusted() const noexcept { return all_trusted_; }
+  /// Reason why it is not trusted; none if it is.
+  std::optional<Untrusted> reason(std::size_t channel) const noexcept {
+    if (trusted(channel)) return {};
+    return static_cast<Untrusted>(held_[channel] - 1);
+  }
   /// Resets to the initial state; a channel holds `start_counts` before its first good value.
   void Reset(std::span<const double> start_counts) noexcept;
   /// Swaps values and counts with another guard of the same number of channels. The settings stay.
@@ -95,7 +100,7 @@ class SampleGuard {
   std::int64_t stale_number_ = 0;  // of the last stale frame, and number of rising ones
   int stale_frames_ = 0;
   bool all_trusted_ = true;         // if so, `held_` says nothing
-  std::vector<std::uint8_t> held_;  // per channel: its last value is not trusted
+  std::vector<std::uint8_t> held_;  // per channel: 0, or 1 + the kind of its untrusted last value
   std::vector<std::int64_t> untrusted_samples_;
   std::array<std::vector<std::int64_t>, kUntrustedKinds> untrusted_by_kind_;
 };

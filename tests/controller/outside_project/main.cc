@@ -4,9 +4,10 @@
 
 #include "controller/calibration/curve_fit.h"
 #include "controller/calibration/noise_estimate.h"
-#include "controller/robot_text.h"
 #include "controller/controller.h"
 #include "controller/filters/filter_registry.h"
+#include "controller/robot_text.h"
+#include "controller/step_recorder.h"
 
 int main() {
   namespace gc = gauntlet::controller;
@@ -31,6 +32,8 @@ int main() {
   controller.Reset(std::vector<std::int32_t>{555, 620});  // where the motors are
   const double counts[] = {400.0, 600.0};
   const gc::Command command = controller.Step({.counts = counts});
+  gc::StepRecorder recorder({config, glove, hand, {}, {}}, 5);
+  if (!recorder.Add({.counts = counts}, controller, command) || recorder.size() != 1) return 1;
   // Values of another shape: nothing is done, and nothing ends the program.
   std::vector<double> three(3, 7.0);
   const auto filter = gc::MakeFilter({gc::KalmanConfig{.noise = {.r = {10.0}}}}, 2, 1000.0);
