@@ -16,30 +16,16 @@
 #include "python/bindings.h"
 #include "sim/base/error.h"
 #include "sim/settings/robot_file.h"
+#include "sim/settings/steps_csv.h"
 
 namespace gauntlet::python {
 namespace {
 
 namespace py = pybind11;
-using controller::GloveStatus;
 
 using Counts = py::array_t<std::int32_t, py::array::c_style>;
 
 constexpr const char* kControllerPlace = "controller";
-
-std::string NameOf(GloveStatus status) {
-  switch (status) {
-    case GloveStatus::kGood:
-      return "good";
-    case GloveStatus::kHeld:
-      return "held";
-    case GloveStatus::kTooOften:
-      return "too_often";
-    case GloveStatus::kLost:
-      return "lost";
-  }
-  return {};
-}
 
 /// A controller and what it is connected to. One thread at a time may use it: another gets an
 /// error.
@@ -130,7 +116,7 @@ class BoundController {
   }
 
   bool event() const { return last_.event; }
-  std::string status() const { return NameOf(last_.glove); }
+  std::string status() const { return std::string(sim::NameOf(last_.glove)); }
   const controller::RobotConfig& robot() const { return robot_; }
 
  private:
