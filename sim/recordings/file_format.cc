@@ -15,6 +15,7 @@
 #include "sim/base/text.h"
 #include "sim/recordings/csv_reader.h"
 #include "sim/recordings/source_bytes.h"
+#include "sim/recordings/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -49,9 +50,10 @@ struct FormatFacts {
   std::string_view way_out = "";
 };
 const FormatFacts& FactsOf(FileFormat format) {
-  static constexpr std::array<FormatFacts, 20> kFacts = {{
+  static constexpr std::array<FormatFacts, 21> kFacts = {{
       {FileFormat::kText, "text"},
       {FileFormat::kUtf16, "UTF-16 text"},
+      {FileFormat::kBvh, "BVH"},
       {FileFormat::kEmpty, "empty"},
       {FileFormat::kJson, "JSON"},
       {FileFormat::kNpy, "NPY of NumPy"},
@@ -97,6 +99,12 @@ bool IsJson(std::string_view head) {
   if (second == std::string_view::npos) return false;
   const char next = head[second];  // `[Header]` of a sensor's software is text
   return next == '{' || next == '[' || next == '-' || (next >= '0' && next <= '9');
+}
+
+bool IsBvh(std::string_view head) {
+  head = Trimmed(WithoutByteOrderMark(head));
+  const std::string_view word = head.substr(0, head.find_first_of(" \t\r\n"));
+  return IsWordOf("hierarchy", BareName(word));
 }
 
 /// The file that `zstd -d` made of a compressed one, if it is there; else the file itself.
@@ -206,6 +214,7 @@ FileFormat FormatOfBytes(std::string_view head) {
   if (head.substr(first, 1) == "<" && head.find("<robot") != std::string_view::npos) {
     return FileFormat::kUrdf;
   }
+  if (IsBvh(head)) return FileFormat::kBvh;
   return IsJson(head) ? FileFormat::kJson : FileFormat::kText;
 }
 

@@ -12,6 +12,7 @@ namespace gauntlet::sim {
 enum class FileFormat {
   kText,
   kUtf16,
+  kBvh,  // motion of a skeleton
   kEmpty,
   kJson,
   kNpy,

@@ -220,10 +220,12 @@ Reading ReadingOf(const std::vector<HandRotations>& frames, const RotationColumn
         "the fingers hardly bend, so the direction of flexion is unknown; record a fist, too");
   }
   if (right.empty()) {
-    throw UserError(
+    throw UserError(fmt::format(
         "the fingers do not bend about one axis each, relative to the bone before: the rotations "
-        "are not those of a hand's bones, or the order of their components is another than w, x, "
-        "y, z or x, y, z, w");
+        "are not those of a hand's bones{}",
+        columns.has_component_names
+            ? ""
+            : ", or the order of their components is another than w, x, y, z or x, y, z, w"));
   }
   if (right.size() > 1) {
     const bool is_order = right.front().w_first != right.back().w_first;

@@ -45,6 +45,7 @@ struct KeypointText {
   std::vector<std::vector<std::string>> other_cells;
   std::vector<std::vector<HandPoints>> points;        // per hand and row
   std::vector<std::vector<HandRotations>> rotations;  // the same; a hand has either
+  std::string remarks;                                // lines of the text about itself
 };
 
 double NumberOfCell(const std::string& cell, char separator) {
@@ -94,6 +95,7 @@ KeypointText ReadText(CsvReader& reader, const std::vector<KeypointColumns>& han
     std::vector<std::string>& others = text.other_cells.emplace_back();
     for (const std::size_t c : text.others) others.push_back(cells[c]);
   }
+  for (const std::string& remark : reader.remarks()) text.remarks += RemarkLine(remark);
   return text;
 }
 
@@ -136,9 +138,16 @@ std::string TextOfAngles(const KeypointText& text, const std::vector<KeypointCol
   std::vector<std::string> names;
   for (const std::size_t c : text.others) names.push_back(text.names[c]);
   std::vector<AnglesOfBones> of_hands;
-  std::string remarks;
+  std::string remarks = text.remarks;
   for (std::size_t h = 0; h < hands.size(); ++h) {
-    of_hands.push_back(AnglesOfHand(text, h, hands[h], remarks));
+    try {
+      of_hands.push_back(AnglesOfHand(text, h, hands[h], remarks));
+    } catch (const UserError& error) {
+      // Of two hands, often one does nothing.
+      if (h + 1 == hands.size() && of_hands.empty()) throw;
+      remarks += RemarkLine(fmt::format("left out: {} hand: {}", hands[h].hand, error.what()));
+      continue;
+    }
     const std::string side = hands.size() > 1 ? hands[h].hand + "_" : "";
     for (const std::string_view channel : of_hands.back().angles.channels) {
       names.push_back(fmt::format("{}{}_deg", side, channel));

@@ -13,6 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/base/helper_process.h"
 #include "sim/base/text.h"
+#include "sim/recordings/bvh_file.h"
 #include "sim/recordings/file_format.h"
 #include "sim/recordings/json_arrays.h"
 #include "sim/recordings/keypoint_rows.h"
@@ -189,7 +190,7 @@ class HelperText {
 
 bool HasArrays(FileFormat format) {
   return format != FileFormat::kText && format != FileFormat::kUtf16 &&
-         format != FileFormat::kEmpty && !HasTopics(format);
+         format != FileFormat::kBvh && format != FileFormat::kEmpty && !HasTopics(format);
 }
 
 /// Errors: UserError if it is a format that is not read.
@@ -246,6 +247,9 @@ CsvReader::Source StoredTable(const fs::path& file, const std::string& array) {
   if (!HasArrays(format)) {
     CsvReader::Source source = FileSource(file);
     if (!array.empty()) FailWithoutArrays(file, array);
+    if (format == FileFormat::kBvh) {
+      return WithHead(TableOfBvh(file.string(), BytesOf(source)), nullptr);
+    }
     if (format == FileFormat::kUtf16) source = Utf8Of(std::move(source));
     return PlainTable(KeypointsInColumns(file.string(), std::move(source)), InfoOf(file).names);
   }
