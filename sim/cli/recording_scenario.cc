@@ -31,7 +31,7 @@ bool IsRecordingFile(const fs::path& file) {
   const std::string ending = BareName(file.extension().string());
   std::error_code missing;
   if (fs::is_directory(file, missing) && !DataSetFiles(file).empty()) return true;
-  return IsWordOf("csv tsv txt dat json jsonl npy npz mat h5 hdf5 xlsx gz bag db3 mcap parquet mp4",
+  return IsWordOf("csv tsv txt dat bvh json jsonl npy npz mat h5 hdf5 xlsx gz bag db3 mcap parquet mp4",
                   ending);
 }
 

@@ -8,9 +8,11 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "controller/number.h"
@@ -29,7 +31,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr std::string_view kBlanks = " \t\r\n\v\f";
+constexpr std::string_view kBlanks = " \t\r\n";
 
 std::string LowerCase(std::string_view word) {
   std::string lower(word);
@@ -50,7 +52,7 @@ class BvhText {
   std::string_view Word() {
     SkipBlanks();
     const std::size_t begin = place_;
-    place_ = std::min(text_.find_first_of(" \t\r\n\v\f{}", begin), text_.size());
+    place_ = std::min(text_.find_first_of(" \t\r\n{}", begin), text_.size());
     if (place_ == begin && !ended()) ++place_;
     return text_.substr(begin, place_ - begin);
   }
@@ -194,7 +196,7 @@ std::optional<std::vector<double>> ValuesOf(std::string_view line, const BvhText
                             Shown(rest.substr(0, end))));
     }
     values.push_back(*value);
-    rest = Trimmed(rest.substr(end));
+    rest.remove_prefix(std::min(rest.find_first_not_of(kBlanks, end), rest.size()));
   }
   if (values.size() < channels && may_be_cut) return std::nullopt;
   if (values.size() != channels) {
@@ -246,13 +248,9 @@ struct BvhHand {
   }
 };
 
-/// Bones from which angles are made.
-std::vector<std::pair<int, int>> BonesWithAngles() {
-  std::vector<std::pair<int, int>> bones = {{0, 0}, {0, 1}, {0, 3}};
-  for (int digit = 1; digit < kDigitsOfHand; ++digit) {
-    for (int bone = 1; bone < kBonesOfDigit; ++bone) bones.emplace_back(digit, bone);
-  }
-  return bones;
+/// The bones of a digit that have angles, from the hand on.
+std::array<int, 3> BonesOf(int digit) {
+  return digit == 0 ? std::array{0, 1, 3} : std::array{1, 2, 3};
 }
 
 std::map<std::string, BvhHand> HandsIn(const Bvh& bvh) {
@@ -313,58 +311,77 @@ std::string ProblemOf(const Bvh& bvh, const BvhHand& hand) {
                        kNumbers);
   }
   bool moves = false;
-  for (const auto& [digit, bone] : BonesWithAngles()) {
-    const auto& joints = hand.joints[static_cast<std::size_t>(TurnedBone(digit, bone))];
-    if (joints.empty()) return fmt::format("{} is missing", BoneName(digit, bone));
-    if (joints.size() > 1) {
-      return fmt::format("several joints are {}: {}, {}", BoneName(digit, bone),
-                         joint(joints.front()).name, joint(joints.back()).name);
-    }
-    moves = moves || Moves(bvh, joints.front());
-  }
   for (int digit = 0; digit < kDigitsOfHand; ++digit) {
-    const std::array<int, 3> chain = {hand.Joint(digit, digit == 0 ? 0 : 1),
-                                      hand.Joint(digit, digit == 0 ? 1 : 2), hand.Joint(digit, 3)};
-    for (std::size_t i = 1; i < chain.size(); ++i) {
-      if (joint(chain[i]).parent == chain[i - 1]) continue;
-      return fmt::format("{} must be the child of {}", joint(chain[i]).name,
-                         joint(chain[i - 1]).name);
+    int before = -1;
+    for (const int bone : BonesOf(digit)) {
+      const auto& joints = hand.joints[static_cast<std::size_t>(TurnedBone(digit, bone))];
+      if (joints.empty()) return fmt::format("{} is missing", BoneName(digit, bone));
+      const BvhJoint& own = joint(joints.front());
+      if (joints.size() > 1) {
+        return fmt::format("several joints are {}: {}, {}", BoneName(digit, bone), own.name,
+                           joint(joints.back()).name);
+      }
+      if (before >= 0 && own.parent != before) {
+        return fmt::format("{} must be the child of {}", own.name, joint(before).name);
+      }
+      before = joints.front();
+      moves = moves || Moves(bvh, before);
     }
     // From the hand to its knuckle is further than along the next bone.
-    if (digit == 0 || !hand.joints[static_cast<std::size_t>(TurnedBone(digit, 0))].empty())
+    if (digit == 0 || !hand.joints[static_cast<std::size_t>(TurnedBone(digit, 0))].empty()) {
       continue;
-    if (joint(chain[0]).offset.norm() < kLeastShare * joint(chain[1]).offset.norm()) {
-      return fmt::format("{} is a metacarpal by its OFFSETs; {}", joint(chain[0]).name, kNumbers);
+    }
+    const BvhJoint& first = joint(hand.Joint(digit, 1));
+    if (first.offset.norm() < kLeastShare * joint(hand.Joint(digit, 2)).offset.norm()) {
+      return fmt::format("{} is a metacarpal by its OFFSETs; {}", first.name, kNumbers);
     }
   }
   return moves ? "" : "it never moves";
 }
 
-/// The largest angle [deg] between neighbouring bones of the fingers in the rest pose.
-double RestBendDeg(const Bvh& bvh, const BvhHand& hand) {
-  double bend_rad = 0.0;
-  for (int finger = 1; finger < kDigitsOfHand; ++finger) {
-    const int distal = hand.Joint(finger, 3);
-    const auto tip = std::ranges::find(bvh.joints, distal, &BvhJoint::parent);
-    Vector3d before = bvh.joints[static_cast<std::size_t>(hand.Joint(finger, 2))].offset;
-    std::vector<Vector3d> behind = {bvh.joints[static_cast<std::size_t>(distal)].offset};
-    if (tip != bvh.joints.end()) behind.push_back(tip->offset);
-    for (const Vector3d& bone : behind) {
-      bend_rad = std::max(bend_rad, std::atan2(before.cross(bone).norm(), before.dot(bone)));
-      before = bone;
+/// A joint, and the turns from the first bone of its digit to the bone before and to its own one in
+/// the rest pose.
+struct StraightJoint {
+  const BvhJoint* joint = nullptr;
+  Quaterniond before = Quaterniond::Identity();
+  Quaterniond own = Quaterniond::Identity();
+};
+
+/// The joints of a digit. `rest_bend_rad`: largest angle between its bones in the rest pose.
+std::array<StraightJoint, 3> StraightDigit(const Bvh& bvh, const BvhHand& hand, int digit,
+                                           double& rest_bend_rad) {
+  constexpr double kMostOfEnd_rad = 45.0 * kRadPerDeg;  // the end may be a point beside the finger
+  std::array<StraightJoint, 3> joints;
+  Vector3d along = Vector3d::Zero();
+  Quaterniond turn = Quaterniond::Identity();
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const int place = hand.Joint(digit, BonesOf(digit)[i]);
+    const bool is_last = i + 1 == joints.size();
+    const auto next = is_last ? std::ranges::find(bvh.joints, place, &BvhJoint::parent)
+                              : bvh.joints.begin() + hand.Joint(digit, BonesOf(digit)[i + 1]);
+    const Vector3d bone = next == bvh.joints.end() ? along : next->offset;
+    const double bend_rad = std::atan2(along.cross(bone).norm(), along.dot(bone));
+    joints[i] = {.joint = &bvh.joints[static_cast<std::size_t>(place)], .before = turn};
+    if (bend_rad > 0.0 && (!is_last || bend_rad <= kMostOfEnd_rad)) {
+      turn = Quaterniond::FromTwoVectors(along, bone) * turn;
+      rest_bend_rad = std::max(rest_bend_rad, bend_rad);
     }
+    joints[i].own = turn;
+    along = bone;
   }
-  return kDegPerRad * bend_rad;
+  return joints;
 }
 
-Quaterniond RotationOf(const BvhJoint& joint, const std::vector<double>& frame) {
+/// Relative to the bone before, none where the two are straight.
+Quaterniond RotationOf(const StraightJoint& straight, const std::vector<double>& frame) {
+  const BvhJoint& joint = *straight.joint;
   Quaterniond rotation = Quaterniond::Identity();
   for (std::size_t i = 0; i < joint.channels.size(); ++i) {
     if (joint.channels[i] < 3) continue;
     rotation = rotation * Eigen::AngleAxisd(kRadPerDeg * frame[joint.first_channel + i],
                                             Vector3d::Unit(joint.channels[i] - 3));
   }
-  return rotation;
+  return straight.before.conjugate() * rotation * straight.own;
 }
 
 }  // namespace
@@ -372,23 +389,28 @@ Quaterniond RotationOf(const BvhJoint& joint, const std::vector<double>& frame) 
 std::string TableOfBvh(const std::string& name, std::string_view text) {
   const Bvh bvh = ReadBvh(name, text);
   std::vector<std::string> remarks = bvh.remarks, problems, names = {"time_s"};
-  std::vector<const BvhJoint*> columns;
+  std::vector<StraightJoint> columns;
   for (const auto& [side, hand] : HandsIn(bvh)) {
     const std::string of = side.empty() ? "hand" : side + " hand";
     if (const std::string problem = ProblemOf(bvh, hand); !problem.empty()) {
       problems.push_back(fmt::format("{}: {}", of, problem));
       continue;
     }
-    for (const auto& [digit, bone] : BonesWithAngles()) {
-      columns.push_back(&bvh.joints[static_cast<std::size_t>(hand.Joint(digit, bone))]);
-      const std::string bone_name = side + (side.empty() ? "" : "_") + BoneName(digit, bone);
-      for (const char component : {'w', 'x', 'y', 'z'}) {
-        names.push_back(fmt::format("{}_local_q{}", bone_name, component));
+    double rest_bend_rad = 0.0;
+    for (int digit = 0; digit < kDigitsOfHand; ++digit) {
+      std::ranges::copy(StraightDigit(bvh, hand, digit, rest_bend_rad),
+                        std::back_inserter(columns));
+      for (const int bone : BonesOf(digit)) {
+        const std::string bone_name = side + (side.empty() ? "" : "_") + BoneName(digit, bone);
+        for (const char component : {'w', 'x', 'y', 'z'}) {
+          names.push_back(fmt::format("{}_local_q{}", bone_name, component));
+        }
       }
     }
     remarks.push_back(fmt::format(
-        "{}: 0 deg is the rest pose of the file, in which PIP and DIP bend by up to {:.1f} deg", of,
-        RestBendDeg(bvh, hand)));
+        "{}: 0 deg is the rest pose of the file; PIP, DIP and thumb are corrected by its OFFSETs, "
+        "by up to {:.1f} deg",
+        of, kDegPerRad * rest_bend_rad));
   }
   if (columns.empty()) {
     throw UserError(
@@ -403,8 +425,8 @@ std::string TableOfBvh(const std::string& name, std::string_view text) {
   std::string table = CsvLine(names);
   for (std::size_t k = 0; k < bvh.frames.size(); ++k) {
     table += fmt::format("{:.10g}", bvh.frame_time_s * static_cast<double>(k));
-    for (const BvhJoint* joint : columns) {
-      const Quaterniond q = RotationOf(*joint, bvh.frames[k]);
+    for (const StraightJoint& joint : columns) {
+      const Quaterniond q = RotationOf(joint, bvh.frames[k]);
       for (const double value : {q.w(), q.x(), q.y(), q.z()}) {
         table += std::isfinite(value) ? fmt::format(",{:.10g}", value) : ",";
       }

@@ -10,10 +10,13 @@ namespace gauntlet::sim {
 /// AnglesOfKeypoints() turns into angles. Joints of digits are found by DigitJointOf(), all others
 /// are left out. A hand that lacks a bone or that never moves is left out, if there is another.
 ///
-///     r = R(first channel) R(second channel) R(third channel), in the frame of the parent
+///     r = conj(F of the bone before) R(first channel) R(second channel) R(third channel) F
 ///
-/// The angles are 0 in the rest pose of the file, which its OFFSETs describe. RemarkLine()s tell
-/// how far the fingers bend in it, hands that are left out, and a number of rows other than Frames.
+/// F turns the first bone of a digit to this one in the rest pose, as the OFFSETs describe it, step
+/// by step: so PIP, DIP and the thumb's angles are 0 where the bones are straight. Those of the MCP
+/// of a finger are 0 in the rest pose. The end of a digit counts if it is within 45 deg of the bone
+/// before. RemarkLine()s tell by how much the OFFSETs correct, hands that are left out, and a
+/// number of rows other than Frames.
 /// A last row that was cut is left out.
 ///
 /// Units: angles of the file in degrees, Frame Time in s.

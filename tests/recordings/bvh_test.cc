@@ -335,54 +335,77 @@ TEST_F(BvhFiles, OfAllMakersGiveTheAnglesThatTheHandWasPosedBy) {
     ExpectPosedAngles(table, maker.has_left ? "right_" : "");
     EXPECT_THAT(table, HasSubstr("relative to the bone before (by the names), components by name; "
                                  "0 % of the frames lost"));
-    EXPECT_THAT(table, HasSubstr("right hand: 0 deg is the rest pose of the file, in which PIP and "
-                                 "DIP bend by up to 0.0 deg"));
+    EXPECT_THAT(table, HasSubstr("right hand: 0 deg is the rest pose of the file; PIP, DIP and "
+                                 "thumb are corrected by its OFFSETs, by up to 0.0 deg"));
   }
 }
 
-/// A hand whose joints have one channel each, that turns by 10 deg times the place of the joint
-/// times the row, about an axis with a sign.
-std::string OneChannelText(const std::string& channel, double sign, int rows = 12) {
-  std::string text = "hierarchy\nroot Hand\n{\noffset 0 0 0\nchannels 0\n", row;
+/// A hand whose joints have one channel each, that turns by 0.4 deg times the place of the joint
+/// times the row. Its digits rest bent about x by so much at their second and third joints.
+std::string OneChannelText(const std::string& channel, double sign,
+                           const std::array<double, 2>& rest_deg = {0.0, 0.0},
+                           const std::string& end = "") {
+  constexpr int kShort = 12;
+  std::string text = "hierarchy\nroot Hand\n{\noffset 0 0 0\nchannels 0\n";
+  std::vector<std::string> rows(kShort);
+  const auto bone = [](double angle_deg) {
+    return fmt::format("0 {} {}", std::cos(angle_deg * kRadPerDeg),
+                       std::sin(angle_deg * kRadPerDeg));
+  };
   int place = 0;
-  std::vector<std::string> row_of(static_cast<std::size_t>(rows));
-  for (int digit = 0; digit < kDigitsOfHand; ++digit) {
+  for (const char* digit : kDigit) {
     for (int i = 1; i <= 3; ++i) {
-      text +=
-          fmt::format("joint {}{} {{ offset 0 1 0 channels 1 {}\n", DigitName(digit), i, channel);
+      text += fmt::format("joint {}{} {{ offset {} channels 1 {}\n", digit, i,
+                          bone(i == 3 ? rest_deg[0] : 0.0), channel);
       ++place;
-      for (int k = 0; k < rows; ++k) {
-        row_of[static_cast<std::size_t>(k)] += fmt::format(" {}", sign * 0.4 * place * k);
+      for (int k = 0; k < kShort; ++k) {
+        rows[static_cast<std::size_t>(k)] += fmt::format(" {}", sign * 0.4 * place * k);
       }
     }
-    text += "end site { offset 0 1 0.2 } } } }\n";
+    text += fmt::format("end site {{ offset {} }} }} }} }}\n",
+                        end.empty() ? bone(rest_deg[0] + rest_deg[1]) : end);
   }
-  text += fmt::format("}} motion\nframes: {}\nframe time: 0.01\n", rows);
-  for (const std::string& line : row_of) text += line + "\n";
+  text += fmt::format("}} motion\nframes: {}\nframe time: 0.01\n", kShort);
+  for (const std::string& row : rows) text += row + "\n";
   return text;
+}
+
+/// Each joint has the angle of its channel and that of the rest pose.
+void ExpectChannels(const std::string& table, double sign = 1.0,
+                    const std::array<double, 2>& rest_deg = {0.0, 0.0}) {
+  const std::array<const char*, 14> kInOrder = {
+      "thumb_mcp",  "thumb_ip", "index_mcp", "index_pip", "index_dip",  "middle_mcp", "middle_pip",
+      "middle_dip", "ring_mcp", "ring_pip",  "ring_dip",  "little_mcp", "little_pip", "little_dip"};
+  for (int joint = 0; joint < std::ssize(kInOrder); ++joint) {
+    const int place = joint + 2;  // the thumb's metacarpal has no angle
+    const double rest = place % 3 == 1 ? 0.0 : rest_deg[place % 3 == 2 ? 0 : 1];
+    const std::vector<double> angles =
+        Column(table, std::string(kInOrder[static_cast<std::size_t>(joint)]) + "_deg");
+    ASSERT_EQ(angles.size(), 12U) << table;
+    for (int k = 0; k < 12; ++k) {
+      EXPECT_NEAR(angles[static_cast<std::size_t>(k)], rest + sign * 0.4 * place * k, 1e-3)
+          << kInOrder[static_cast<std::size_t>(joint)] << " " << k;
+    }
+  }
 }
 
 TEST_F(BvhFiles, WithOneChannelGiveIt) {
   for (const char* channel : {"Xrotation", "YROTATION", "zrotation"}) {
-    for (const double sign : {1.0, -1.0}) {
-      const std::string table = Read(OneChannelText(channel, sign));
-      const std::array<const char*, 14> kInOrder = {
-          "thumb_mcp",  "thumb_ip",   "index_mcp",  "index_pip", "index_dip",
-          "middle_mcp", "middle_pip", "middle_dip", "ring_mcp",  "ring_pip",
-          "ring_dip",   "little_mcp", "little_pip", "little_dip"};
-      int place = 1;  // the thumb's metacarpal has no channel
-      for (const char* joint : kInOrder) {
-        ++place;
-        const std::vector<double> angles = Column(table, std::string(joint) + "_deg");
-        ASSERT_EQ(angles.size(), 12U) << table;
-        for (int k = 0; k < 12; ++k) {
-          EXPECT_NEAR(angles[static_cast<std::size_t>(k)], 0.4 * place * k, 1e-3) << joint;
-        }
-      }
-      // atan(0.2) between the distal bones and the ends of their chains.
-      EXPECT_THAT(table, HasSubstr("hand: 0 deg is the rest pose of the file, in which PIP and DIP "
-                                   "bend by up to 11.3 deg"));
-    }
+    for (const double sign : {1.0, -1.0}) ExpectChannels(Read(OneChannelText(channel, sign)));
+  }
+}
+
+TEST_F(BvhFiles, WhoseRestPoseIsBentAreCorrected) {
+  const std::array<double, 2> kRest = {50.0, 40.0};
+  // Fingers that rest bent and only open: flexion is the other direction.
+  const std::string opened = Read(OneChannelText("Xrotation", -1.0, kRest));
+  ExpectChannels(opened, -1.0, kRest);
+  EXPECT_THAT(opened, HasSubstr("hand: 0 deg is the rest pose of the file; PIP, DIP and thumb are "
+                                "corrected by its OFFSETs, by up to 50.0 deg"));
+  ExpectChannels(Read(OneChannelText("Xrotation", 1.0, {20.0, 10.0})), 1.0, {20.0, 10.0});
+  // The end is beside the finger, or where the joint is.
+  for (const char* end : {"1 0 0", "0 0 0"}) {
+    ExpectChannels(Read(OneChannelText("Xrotation", 1.0, {20.0, 0.0}, end)), 1.0, {20.0, 0.0});
   }
 }
 

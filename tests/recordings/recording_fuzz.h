@@ -5,18 +5,23 @@
 #include <cstdlib>
 #include <limits>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/recordings/bvh_file.h"
+#include "sim/recordings/file_format.h"
 #include "sim/recordings/glitches.h"
+#include "sim/recordings/keypoint_table.h"
 #include "sim/recordings/recording_reader.h"
+#include "sim/recordings/source_bytes.h"
 
 namespace gauntlet::sim {
 
-/// One input of the fuzzer: the first byte chooses how to read, the rest is the file. Whatever it
-/// is, the reader ends with rows of rising time and NaN, sane or far angles, or with a UserError;
-/// and only values are glitches.
+/// One input of the fuzzer: the first byte chooses how to read, the rest is the file, text or BVH.
+/// Whatever it is, the reader ends with rows of rising time and NaN, sane or far angles, or with a
+/// UserError; and only values are glitches.
 inline void ReadFuzzedRecording(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return;
   RecordingFormat format;
@@ -24,7 +29,11 @@ inline void ReadFuzzedRecording(const std::uint8_t* data, std::size_t size) {
   format.rate_hz = data[0] & 128 ? 100.0 : 0.0;
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
   try {
-    RecordingReader reader("fuzz", TextSource(text), format);
+    CsvReader::Source source = TextSource(text);
+    if (FormatOfBytes(text) == FileFormat::kBvh) {
+      source = AnglesOfKeypoints("fuzz", WithHead(TableOfBvh("fuzz", text), nullptr));
+    }
+    RecordingReader reader("fuzz", std::move(source), format);
     std::vector<double> angles(KnownChannels().size());
     double before_s = -std::numeric_limits<double>::infinity();
     double time_s = 0.0;

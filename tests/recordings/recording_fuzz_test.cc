@@ -18,7 +18,14 @@ const std::vector<std::string>& Seeds() {
       "\xEF\xBB\xBF# by hand\n\nindex_mcp_rad\tlittle_pip_share\n0.1\t0.5\n\n0.2\t1e999\n",
       "time_us index_mcp\n 0  1 \n 1000 inf\n 700000 -inf\n 3 +4\n",
       "\"time\",'index_mcp'\n100,1\n99,2\n0,3\n0.1,4,5\n7\n",
-      "index_mcp,time_s\n1,2,3\n4,5,6\n"};
+      "index_mcp,time_s\n1,2,3\n4,5,6\n",
+      "HIERARCHY ROOT h{JOINT th1{JOINT th2{CHANNELS 1 yrotation JOINT th3{}}}"
+      "JOINT if1{JOINT if2{CHANNELS 1 Xrotation JOINT if3{}}}JOINT mf1{"
+      "JOINT mf2{CHANNELS 1 Xrotation JOINT mf3{}}}JOINT rf1{"
+      "JOINT rf2{CHANNELS 1 Xrotation JOINT rf3{}}}JOINT lf1{"
+      "JOINT lf2{CHANNELS 1 Xrotation JOINT lf3{}}}}\nMOTION\nFrames: 6\nFrame Time: 0.1\n"
+      "0 7 14 21 28\n4 11 18 25 32\n14 21 28 35 42\n30 37 44 51 58\n52 59 6 13 20\n"
+      "20 27 34 41 48\n"};
   return kSeeds;
 }
 
