@@ -31,8 +31,9 @@ bool IsRecordingFile(const fs::path& file) {
   const std::string ending = BareName(file.extension().string());
   std::error_code missing;
   if (fs::is_directory(file, missing) && !DataSetFiles(file).empty()) return true;
-  return IsWordOf("csv tsv txt dat bvh json jsonl npy npz mat h5 hdf5 xlsx gz bag db3 mcap parquet mp4",
-                  ending);
+  return IsWordOf(
+      "csv tsv txt dat bvh json jsonl npy npz mat h5 hdf5 xlsx gz bag db3 mcap parquet mp4",
+      ending);
 }
 
 std::string SeenFrom(const fs::path& from, const fs::path& file) {
