@@ -12,8 +12,8 @@
 #include <tuple>
 #include <vector>
 
-#include "controller/robot_text.h"
 #include "controller/controller.h"
+#include "controller/robot_text.h"
 
 namespace gc = gauntlet::controller;
 

@@ -15,8 +15,8 @@
 #include <variant>
 #include <vector>
 
-#include "controller/robot_text.h"
 #include "controller/controller.h"
+#include "controller/robot_text.h"
 #include "sim/base/error.h"
 #include "sim/settings/robot_constants.h"
 #include "sim/settings/yaml_writer.h"
