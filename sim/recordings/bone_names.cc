@@ -21,10 +21,10 @@ constexpr std::array<Meaning, 5> kOrdinals = {{{"thumb", "first"},
                                                {"middle", "third"},
                                                {"ring", "fourth"},
                                                {"little", "fifth"}}};
-constexpr std::array<Meaning, 5> kBones = {{{"metacarpal", "metacarpal meta mc"},
-                                            {"proximal", "proximal pp"},
-                                            {"middle", "middle medial intermediate mp"},
-                                            {"distal", "distal dp"},
+constexpr std::array<Meaning, 5> kBones = {{{"metacarpal", "metacarpal meta mc cmc"},
+                                            {"proximal", "proximal pp mcp"},
+                                            {"middle", "middle medial intermediate mp pip"},
+                                            {"distal", "distal dp dip ip"},
                                             {"end", "end tip nub"}}};
 
 /// -1 for other words.
@@ -67,6 +67,7 @@ std::optional<DigitJoint> DigitJointOf(std::string_view name) {
   joint.digit = FindDigit(words, words_before);
   if (joint.digit < 0 || HasWordOf(words, "toe toes foot")) return std::nullopt;
   int number = -1, bone = -1;
+  bool is_manus = false;  // which has an IP between PIP and DIP
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string_view side = SideOf(words[i]);
     if (!side.empty() && !joint.hand.empty() && side != joint.hand) return std::nullopt;
@@ -75,6 +76,7 @@ std::optional<DigitJoint> DigitJointOf(std::string_view name) {
     if (const std::string_view called = MeaningOf(kBones, words[i]); !called.empty()) {
       if (bone >= 0) return std::nullopt;
       bone = static_cast<int>(std::ranges::find(kBones, called, &Meaning::means) - kBones.begin());
+      is_manus = joint.digit > 0 && words[i] == "ip";
     } else if (NumberOf(words[i]) >= 0) {
       if (number >= 0) return std::nullopt;
       number = NumberOf(words[i]);
@@ -84,7 +86,7 @@ std::optional<DigitJoint> DigitJointOf(std::string_view name) {
   }
   const bool is_in_hand = HasWordOf({words.begin(), words.begin() + words_before}, "in");
   if (bone == DigitJoint::kEnd || (bone >= 0 && number < 0)) {
-    joint.bone = bone;
+    joint.bone = is_manus ? DigitJoint::kUnclear : bone;
   } else if (bone < 0 && number >= 0 && !is_in_hand) {
     joint.bone = BoneOfNumber(joint.digit, number);
   } else if (bone < 0 && number < 0 && is_in_hand) {

@@ -12,7 +12,7 @@ struct DigitJoint {
   int digit = 0;     // 0: thumb .. 4: little finger
   int bone = 0;      // that turns at it, as in TurnedBone(); or one of these
   static constexpr int kEnd = 4;
-  static constexpr int kUnclear = -1;  // a number that may be another bone in another skeleton
+  static constexpr int kUnclear = -1;  // may be another bone in another skeleton
 };
 
 /// None for names of other joints. Known are, in any case and behind any prefix, with the side in
@@ -24,6 +24,7 @@ struct DigitJoint {
 /// | `RightInHandIndex`                                 | Perception Neuron: the metacarpal      |
 /// | `RightIndexProximal`, `RightFinger2Medial`         | Rokoko; finger 1 is the thumb          |
 /// | `RightDigit2ProximalPhalanx`, `RightSecondPP`      | digits by number, 1 is the thumb; Xsens |
+/// | `INDEX_PIP`                                        | the joint at which the bone turns      |
 ///
 /// The numbers 1, 2, 3 are the proximal, middle and distal bone of a finger, or the metacarpal,
 /// proximal and distal one of a thumb. 4, `tip` and `end` are the end of the digit.

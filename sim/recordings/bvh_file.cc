@@ -241,7 +241,6 @@ Bvh ReadBvh(const std::string& name, std::string_view bytes) {
 struct BvhHand {
   std::array<std::vector<int>, kTurnedBones> joints = {};  // one each, if it is right
   std::vector<int> ends = {}, unclear = {};
-  bool is_numbered = false;
 
   int Joint(int digit, int bone) const {
     return joints[static_cast<std::size_t>(TurnedBone(digit, bone))].front();
@@ -327,12 +326,13 @@ std::string ProblemOf(const Bvh& bvh, const BvhHand& hand) {
       before = joints.front();
       moves = moves || Moves(bvh, before);
     }
-    // From the hand to its knuckle is further than along the next bone.
-    if (digit == 0 || !hand.joints[static_cast<std::size_t>(TurnedBone(digit, 0))].empty()) {
-      continue;
-    }
-    const BvhJoint& first = joint(hand.Joint(digit, 1));
-    if (first.offset.norm() < kLeastShare * joint(hand.Joint(digit, 2)).offset.norm()) {
+  }
+  for (int finger = 1; finger < kDigitsOfHand; ++finger) {
+    // From the hand, where several fingers begin, to a knuckle is further than along the next bone.
+    const BvhJoint& first = joint(hand.Joint(finger, 1));
+    const int other = finger % (kDigitsOfHand - 1) + 1;
+    if (joint(hand.Joint(other, 1)).parent != first.parent) continue;
+    if (first.offset.norm() < kLeastShare * joint(hand.Joint(finger, 2)).offset.norm()) {
       return fmt::format("{} is a metacarpal by its OFFSETs; {}", first.name, kNumbers);
     }
   }
@@ -360,14 +360,15 @@ std::array<StraightJoint, 3> StraightDigit(const Bvh& bvh, const BvhHand& hand, 
     const auto next = is_last ? std::ranges::find(bvh.joints, place, &BvhJoint::parent)
                               : bvh.joints.begin() + hand.Joint(digit, BonesOf(digit)[i + 1]);
     const Vector3d bone = next == bvh.joints.end() ? along : next->offset;
-    const double bend_rad = std::atan2(along.cross(bone).norm(), along.dot(bone));
+    const bool has_both = !along.isZero(0.0) && !bone.isZero(0.0);
+    const double bend_rad = has_both ? std::atan2(along.cross(bone).norm(), along.dot(bone)) : 0.0;
     joints[i] = {.joint = &bvh.joints[static_cast<std::size_t>(place)], .before = turn};
     if (bend_rad > 0.0 && (!is_last || bend_rad <= kMostOfEnd_rad)) {
       turn = Quaterniond::FromTwoVectors(along, bone) * turn;
       rest_bend_rad = std::max(rest_bend_rad, bend_rad);
     }
     joints[i].own = turn;
-    along = bone;
+    if (!bone.isZero(0.0)) along = bone;
   }
   return joints;
 }

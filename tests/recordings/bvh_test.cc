@@ -94,17 +94,19 @@ std::map<std::string, Maker> Makers() {
         return fmt::format("{}{}{}", Side(is_left), DigitName(digit),
                            BoneWord(is_thumb_before_end ? bone + 1 : bone));
       }};
-  makers["Blender"] = {.order = "XYZ",
-                       .name = [](bool is_left, int digit, int bone) -> std::string {
-                         if (bone == 4 || (digit > 0 && bone == 0)) return "";
-                         constexpr std::array<const char*, 5> kNames = {
-                             "thumb", "f_index", "f_middle", "f_ring", "f_pinky"};
-                         return fmt::format("DEF-{}.{:02}.{}",
-                                            kNames[static_cast<std::size_t>(digit)],
-                                            NumberOf(digit, bone), is_left ? 'L' : 'R');
-                       },
-                       .axes = QuarterTurn(Vector3d::UnitX()),
-                       .before_brace = " "};
+  makers["Blender"] = {
+      .order = "XYZ",
+      .name = [](bool is_left, int digit, int bone) -> std::string {
+        if (bone == 4 || (digit > 0 && bone == 0)) return "";
+        constexpr std::array<const char*, 5> kNames = {"thumb", "f_index", "f_middle", "f_ring",
+                                                       "f_pinky"};
+        return fmt::format("DEF-{}.{:02}.{}", kNames[static_cast<std::size_t>(digit)],
+                           NumberOf(digit, bone), is_left ? 'L' : 'R');
+      },
+      // Bones along (-1, -1, -1).
+      .axes = Eigen::Quaterniond::FromTwoVectors(-Vector3d::Ones(), Vector3d::UnitX())
+                  .toRotationMatrix(),
+      .before_brace = " "};
   makers["Unreal"] = {
       .order = "YZX", .name = [](bool is_left, int digit, int bone) -> std::string {
         if (bone == 4) return "";
@@ -403,8 +405,8 @@ TEST_F(BvhFiles, WhoseRestPoseIsBentAreCorrected) {
   EXPECT_THAT(opened, HasSubstr("hand: 0 deg is the rest pose of the file; PIP, DIP and thumb are "
                                 "corrected by its OFFSETs, by up to 50.0 deg"));
   ExpectChannels(Read(OneChannelText("Xrotation", 1.0, {20.0, 10.0})), 1.0, {20.0, 10.0});
-  // The end is beside the finger, or where the joint is.
-  for (const char* end : {"1 0 0", "0 0 0"}) {
+  // The end is beside the finger, or where the joint is. -0 has a direction for atan2().
+  for (const char* end : {"1 0 0", "0 0 0", "-0 -0 -0", "0 -0 0"}) {
     ExpectChannels(Read(OneChannelText("Xrotation", 1.0, {20.0, 0.0}, end)), 1.0, {20.0, 0.0});
   }
 }
@@ -580,6 +582,10 @@ TEST(DigitJoints, AreFoundByTheirNames) {
   EXPECT_EQ(found("RightHandIndex4_end"), "right index_end");
   EXPECT_EQ(found("Index_Distal"), "index_distal");
   EXPECT_EQ(found("index_00_r"), "right unclear");
+  EXPECT_EQ(found("THUMB_CMC"), "thumb_metacarpal");
+  EXPECT_EQ(found("THUMB_IP"), "thumb_distal");
+  EXPECT_EQ(found("INDEX_PIP"), "index_middle");
+  EXPECT_EQ(found("Index_IP"), "unclear");
   for (const char* other :
        {"RightForeArm", "LeftToeRing1", "RightHand", "Spine1", "RightFootIndex1", "LThumb",
         "LeftHandIndexRight1", "index.01.R.001", "IndexTwist1", "Finger", "Bip01 R Finger11", ""}) {
