@@ -32,15 +32,8 @@ class Turn {
       throw sim::RunError("a progress callback cannot begin another long call");
     }
     if (IsInOwnFilter()) throw sim::RunError("a filter cannot begin another long call");
-    const Waiting here;
-    for (bool taken = false; !taken;) {
-      {
-        const py::gil_scoped_release unlocked;
-        taken = mutex.try_lock_for(kPatience);
-      }
-      if (!taken && PyErr_CheckSignals() != 0) throw py::error_already_set();
-    }
-    if (is_last) {
+    Wait();
+    if (has_ended()) {
       mutex.unlock();
       throw sim::RunError("Python is ending");
     }
@@ -57,7 +50,7 @@ class Turn {
 
   /// Stops the work that runs now, waits for its end, and lets none begin any more.
   static void End() {
-    is_last = true;
+    end_thread = std::this_thread::get_id();
     for (bool taken = false; !taken;) {
       sim::stop_signal = SIGTERM;
       InterruptOwnFilters();
@@ -68,6 +61,9 @@ class Turn {
     const py::gil_scoped_release unlocked;
     while (waiting > 0) std::this_thread::sleep_for(1ms);
   }
+  static bool has_ended() { return end_thread.load() != std::thread::id(); }
+  /// True for the thread that called End().
+  static bool is_in_end() { return end_thread.load() == std::this_thread::get_id(); }
 
  private:
   struct Waiting {
@@ -77,8 +73,20 @@ class Turn {
     Waiting& operator=(const Waiting&) = delete;
   };
 
+  /// Errors: what a signal handler of Python raises.
+  static void Wait() {
+    const Waiting here;
+    for (bool taken = false; !taken;) {
+      {
+        const py::gil_scoped_release unlocked;
+        taken = mutex.try_lock_for(kPatience);
+      }
+      if (!taken && PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+  }
+
   static inline std::atomic<int> waiting{0};
-  static inline std::atomic<bool> is_last{false};
+  static inline std::atomic<std::thread::id> end_thread;
   static inline std::timed_mutex mutex;
   static inline std::atomic<std::thread::id> owner;
 };
@@ -153,28 +161,8 @@ void AddNote(const py::error_already_set& raised, const std::exception_ptr& erro
   }
 }
 
-}  // namespace
-
-bool LongWork::Progress(double done, double all) {
-  all_ = all;
-  done_ = done;
-  return !sim::StopAsked();
-}
-
-void LongWork::Remark(const std::string& line) {
-  const std::lock_guard lock(mutex_);
-  remarks_.push_back(line);
-}
-
-std::vector<std::string> LongWork::TakeRemarks() {
-  const std::lock_guard lock(mutex_);
-  return std::exchange(remarks_, {});
-}
-
-void EndLongCalls() { Turn::End(); }
-
-std::vector<std::string> RunLong(const py::object& on_progress,
-                                 const std::function<void(LongWork&)>& work) {
+std::vector<std::string> RunInTurn(const py::object& on_progress,
+                                   const std::function<void(LongWork&)>& work) {
   const Turn turn;
   LongWork state;
   std::optional<py::error_already_set> raised;
@@ -203,6 +191,45 @@ std::vector<std::string> RunLong(const py::object& on_progress,
   }
   if (worker.error()) std::rethrow_exception(worker.error());
   return state.TakeRemarks();
+}
+
+}  // namespace
+
+bool LongWork::Progress(double done, double all) {
+  all_ = all;
+  done_ = done;
+  return !sim::StopAsked();
+}
+
+void LongWork::Remark(const std::string& line) {
+  const std::lock_guard lock(mutex_);
+  remarks_.push_back(line);
+}
+
+std::vector<std::string> LongWork::TakeRemarks() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(remarks_, {});
+}
+
+void EndLongCalls() { Turn::End(); }
+
+std::vector<std::string> RunLong(const py::object& on_progress,
+                                 const std::function<void(LongWork&)>& work) {
+  std::vector<std::string> remarks;
+  std::exception_ptr error;
+  try {
+    remarks = RunInTurn(on_progress, work);
+  } catch (...) {
+    error = std::current_exception();
+  }
+  if (Turn::has_ended() && !Turn::is_in_end()) {
+    // A thread that nobody waits for. What it printed of its exception would meet the end of
+    // standard error, which ends Python 3.13 by SIGABRT.
+    const py::gil_scoped_release unlocked;
+    while (true) std::this_thread::sleep_for(1h);
+  }
+  if (error) std::rethrow_exception(error);
+  return remarks;
 }
 
 }  // namespace gauntlet::python

@@ -79,7 +79,11 @@ void AddOption(const Option& option, CLI::App& command) {
   if (rules.check) added->transform(CLI::Validator(rules.check, ""));
   if (rules.separator != '\0') added->delimiter(rules.separator);
   if (rules.is_one_word) added->allow_extra_args(false);
-  if (rules.shows_default) added->capture_default_str();
+  if (rules.shows_default) {  // how CLI11 itself shows it depends on its version
+    std::string value = added->capture_default_str()->get_default_str();
+    if (value.starts_with('[')) value = value.substr(1, value.size() - 2);  // a list
+    added->description(fmt::format("{} [{}]", option.help, value))->default_str("");
+  }
   for (const std::string& other : rules.needs) added->needs(command.get_option(other));
   for (const std::string& other : rules.excludes) added->excludes(command.get_option(other));
 }

@@ -62,6 +62,7 @@ class Stopping(Test):
             done = subprocess.run([sys.executable, "-W", "ignore", "-c", textwrap.dedent(script.replace("FILTER_HANGS", hangs))],
                                   text=True, capture_output=True, timeout=60)
             self.assertEqual((done.returncode, done.stdout), (0, "ends\n"), done.stderr)
+            self.assertEqual(done.stderr, "")  # they wait for the end of the process
 
     def test_an_exception_of_the_callback_stops_the_work_and_comes_out(self):
         def told(done, total):
