@@ -90,8 +90,8 @@ constexpr const char* kTexts[] = {
     "1e3.5",
     "ten",
     "\xD9\xA1",
-    "\xE2\x88\x92"
-    "1",
+    ("\xE2\x88\x92"
+     "1"),
     "true",
 };
 
