@@ -10,6 +10,7 @@
 #include "controller/angle.h"
 #include "controller/number.h"
 #include "controller/prediction/horizon.h"
+#include "controller/prediction/predictor.h"
 
 namespace gauntlet::controller {
 namespace {
