@@ -11,6 +11,7 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/cli/terminal_option.h"
 #include "sim/external/external_filters.h"
 #include "sim/report/tune_all_page.h"
 #include "sim/report/tune_page.h"
