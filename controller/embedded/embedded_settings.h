@@ -31,7 +31,8 @@ struct GAUNTLET_API EmbeddedSettings {
 ///
 /// Errors: SettingError for what a Controller cannot be made of, and for what the embedded form
 /// does not hold, with what does: several filters or one without constant gains, a start from zero,
-/// a polynomial, a prediction but `adaptive`, noise shaping, an event period that is no whole number of ticks.
+/// a polynomial, a prediction but `adaptive`, noise shaping, an event period that is no whole
+/// number of ticks.
 GAUNTLET_API EmbeddedSettings EmbeddedSettingsOf(const RobotConfig& robot);
 
 }  // namespace gauntlet::controller

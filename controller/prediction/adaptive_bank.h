@@ -10,8 +10,7 @@
 namespace gauntlet::controller {
 
 /// The numbers of AdaptivePredictionConfig's bank in steps of a clock, for who runs it in `double`
-/// or in `float`. Columns are channels. States are those of the models (MotionModel), in the unit of
-/// the angle, rad.
+/// or in `float`. Columns are channels. States are those of MotionModel, with angles in rad.
 struct AdaptiveBank {
   struct Member {
     Eigen::Matrix3d transition;         // A
@@ -19,7 +18,7 @@ struct AdaptiveBank {
     Eigen::Array3Xd gain;               // K
     Eigen::Array3Xd look_ahead;         // what it expects at the horizon = look_ahead * state
   };
-  // Of the variance: 0.1 and 100 standard deviations. Even one that never misses has a finite share.
+  // Of the variance: 0.1 and 100 standard deviations. One that never misses has a finite share.
   static constexpr double kLeastMiss = 1e-2;
   static constexpr double kMostMiss = 1e4;
 

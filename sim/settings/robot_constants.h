@@ -7,7 +7,8 @@
 
 namespace gauntlet::sim {
 
-/// The settings of RobotToYaml() as text with all digits, which controller::RobotFromText() and gauntlet_controller_create() read.
+/// The settings of RobotToYaml() as text with all digits, which controller::RobotFromText() and
+/// gauntlet_controller_create() read.
 std::string RobotToText(const controller::RobotConfig& robot, const RobotOrigin& origin);
 
 /// What embedded::Controller runs, as a C++ header of constants in `float`: `robot::Controller` is
