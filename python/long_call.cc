@@ -223,8 +223,8 @@ std::vector<std::string> RunLong(const py::object& on_progress,
     error = std::current_exception();
   }
   if (Turn::has_ended() && !Turn::is_in_end()) {
-    // A thread that nobody waits for. What it printed of its exception would meet the end of
-    // standard error, which ends Python 3.13 by SIGABRT.
+    // A daemon thread, for which Python does not wait. If it prints its exception while standard
+    // error is closed, Python 3.13 ends by SIGABRT.
     const py::gil_scoped_release unlocked;
     while (true) std::this_thread::sleep_for(1h);
   }

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <variant>
 
 #include "controller/controller.h"
+#include "controller/embedded/embedded_controller.h"
 #include "controller/filters/steady_gains.h"
 #include "controller/joint_map.h"
 #include "controller/linearisation/linearisation.h"
@@ -213,6 +215,7 @@ class Builder {
       gain.middleRows(3 * m, 3) = member.gain;
       look_ahead.middleRows(3 * m, 3) = member.look_ahead;
     }
+    static_assert(embedded::Prediction<1, 1>::kFilters == std::size(kPredictionBank));
     group_ = "prediction";
     AddMatrix("transition", transition);
     AddMatrix("angle_of_state", angle_of_state);

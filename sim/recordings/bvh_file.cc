@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -32,14 +31,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr std::string_view kBlanks = " \t\r\n";
-
-std::string LowerCase(std::string_view word) {
-  std::string lower(word);
-  for (char& letter : lower) {
-    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  }
-  return lower;
-}
 
 // --- The file ------------------------------------------------------------------------------------
 
@@ -71,7 +62,8 @@ class BvhText {
   }
   void Expect(std::string_view wanted) {
     const std::string_view word = Word();
-    if (LowerCase(word) != wanted) Fail(fmt::format("'{}' must be '{}'", Shown(word), wanted));
+    if (word != wanted && BareName(word) != wanted)
+      Fail(fmt::format("'{}' must be '{}'", Shown(word), wanted));
   }
   /// The number of a line `key: number`.
   double Field(std::string_view key) {
@@ -138,7 +130,7 @@ void ReadChannels(BvhText& text, BvhJoint& joint, std::size_t& channels) {
   joint.first_channel = channels;
   for (int i = 0; i < *count; ++i) {
     const std::string_view name = text.Word();
-    const auto channel = std::ranges::find(kNames, LowerCase(name));
+    const auto channel = std::ranges::find(kNames, BareName(name));
     if (channel == kNames.end()) {
       text.Fail(fmt::format("channel '{}' must be Xposition .. Zposition or Xrotation .. Zrotation",
                             Shown(name)));
@@ -153,7 +145,7 @@ void ReadHierarchy(BvhText& text, Bvh& bvh) {
   text.Expect("hierarchy");
   while (true) {
     const std::string_view word = text.Word();
-    const std::string key = LowerCase(word);
+    const std::string key = word == "}" ? "}" : BareName(word);
     if (key == "root" || key == "joint" || key == "end") {
       BvhJoint& joint = bvh.joints.emplace_back();
       const std::string_view name = text.Rest();

@@ -420,7 +420,7 @@ TEST_F(BvhFiles, OfAHandThatDoesNothingLeaveItOut) {
   }));
   EXPECT_THAT(right, HasSubstr("#gauntlet: left out: left hand: it never moves"));
   ExpectPosedAngles(right, "");
-  // One that only trembles has no direction of flexion.
+  // A hand that only jitters has no direction of flexion.
   joint = 0;
   const std::string also_right = Read(body_.Text(mixamo, [&joint](Poses& poses, int /*digit*/) {
     constexpr int kOfLeft = 15;
