@@ -241,13 +241,13 @@ class OwnFilters(Test):
 
     def test_ctrl_c_stops_it_wherever_it_is(self):
         script = """
-            import gauntlet, time
+            import gauntlet, os, time
             class Hangs:
                 def __init__(self, **facts): self.count = 0
                 def step(self, sample):
                     self.count += 1
                     if self.count == 5:
-                        print("hangs", flush=True)
+                        os.write(1, b"hangs\\n")  # two trials at once: print() would mix their lines
                         while True: time.sleep(0.001)
                     return sample
             scenario = {"question": "q", "glove": {"channels": ["index_mcp"], "motion": {"kind": "hold", "duration_s": 0.2}},
@@ -260,6 +260,8 @@ class OwnFilters(Test):
             print("and goes on", len(gauntlet.run(scenario, causes="none").controllers))
             """
         child = subprocess.Popen([sys.executable, "-W", "ignore", "-c", textwrap.dedent(script)], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(child.wait)
+        self.addCleanup(child.kill)
         self.assertEqual(child.stdout.readline(), "hangs\n")
         time.sleep(0.2)
         child.send_signal(signal.SIGINT)
