@@ -11,6 +11,8 @@
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
+#include "sim/base/text.h"
+#include "sim/inspect/row_groups.h"
 #include "sim/recordings/csv_reader.h"
 #include "sim/recordings/envelope.h"
 #include "sim/recordings/name_words.h"
@@ -36,11 +38,35 @@ CsvReader::Source BeginningOf(CsvReader::Source source, const std::shared_ptr<bo
   };
 }
 
+bool NamesParts(const std::string& name) {
+  return HasWordOf(WordsOf(name),
+                   "session sessions trial trials episode episodes take run repetition rep "
+                   "recording part segment file subject participant person user");
+}
+
+bool NamesDevices(const std::string& name) {
+  return HasWordOf(WordsOf(name),
+                   "hand handedness side device sensor glove servo motor joint id subject "
+                   "participant person user track");
+}
+
+/// Columns that may tell hands, devices or sessions apart: texts, and numbers by their names.
+std::vector<RowGroups> GroupsToWatch(const std::vector<InspectedColumn>& columns) {
+  std::vector<RowGroups> groups;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const bool is_named = NamesParts(columns[c].name) || NamesDevices(columns[c].name);
+    if (columns[c].kind == CellKind::kText || (columns[c].kind == CellKind::kNumber && is_named)) {
+      groups.emplace_back(c, columns.size());
+    }
+  }
+  return groups;
+}
+
 /// Reads the whole table once.
 TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColumn>& columns,
-                          CsvReader& csv) {
+                          CsvReader& csv, std::vector<RowGroups>& groups) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (columns[c].kind == CellKind::kText) csv.Ignore(c);
+    if (columns[c].kind == CellKind::kText) csv.ReadAsTexts(c);
     if (columns[c].kind == CellKind::kTime) csv.ReadAsTime(c);
   }
   TableStatistics statistics(csv.column_count());
@@ -49,6 +75,7 @@ TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColu
     double time_s = time.parts.empty() ? kNaN : 0.0;
     for (const TimePart& part : time.parts) time_s += values[part.column] * SecondsPer(part.unit);
     statistics.Add(time_s, values);
+    for (RowGroups& group : groups) group.Add(time_s, values[group.column()], values);
   }
   return statistics;
 }
@@ -68,24 +95,45 @@ bool IsInBursts(const TimeStatistics& time) {
   return time.short_ms < usual_ms / kFar && time.long_ms > kFar * usual_ms;
 }
 
-/// Rate in a line before the table, as `Sampling rate: 100 Hz`; 0 if there is none.
-double RateInNotes(const std::vector<std::string>& notes) {
+/// The rates in a line before the table: numbers behind `rate` or `fs`, or before `Hz`. Other
+/// numbers of the line, as of a version, are none.
+std::vector<double> RatesIn(const std::string& note) {
   constexpr double kSlowest_hz = 1.0;
   constexpr double kFastest_hz = 1e4;
-  for (const std::string& note : notes) {
-    const std::vector<std::string> words = WordsOf(note);
-    const bool is_of_rows =
-        HasWordOf(words, "sampling sample samplerate samplingrate samples fps fs frame");
-    const std::size_t digit = note.find_first_of("0123456789");
-    if (!is_of_rows || !HasWordOf(words, "rate frequency hz fps fs samplerate samplingrate") ||
-        digit == std::string::npos) {
-      continue;
-    }
-    const std::size_t end = note.find_first_not_of("0123456789.", digit);
-    const auto rate_hz = controller::ParseNumber(note.substr(digit, end - digit));
-    if (rate_hz && *rate_hz >= kSlowest_hz && *rate_hz <= kFastest_hz) return *rate_hz;
+  std::vector<double> rates_hz;
+  if (!HasWordOf(WordsOf(note), "sampling sample samplerate samplingrate samples fps fs frame")) {
+    return rates_hz;
   }
-  return 0.0;
+  constexpr std::string_view kDigits = "0123456789";
+  for (std::size_t behind = 0, digit = note.find_first_of(kDigits); digit != std::string::npos;
+       digit = note.find_first_of(kDigits, behind)) {
+    const std::string before = note.substr(behind, digit - behind);
+    behind = std::min(note.find_first_not_of("0123456789.", digit), note.size());
+    const std::string number = note.substr(digit, behind - digit);
+    const std::size_t next = std::min(note.find_first_of(kDigits, behind), note.size());
+    const std::vector<std::string> unit = WordsOf(note.substr(behind, next - behind));
+    const auto rate_hz = controller::ParseNumber(number);
+    const bool is_rate =
+        HasWordOf(WordsOf(before), "rate frequency hz fps fs samplerate samplingrate") ||
+        (!unit.empty() && HasWordOf({unit.front()}, "hz fps"));
+    if (is_rate && rate_hz && *rate_hz >= kSlowest_hz && *rate_hz <= kFastest_hz) {
+      rates_hz.push_back(*rate_hz);
+    }
+  }
+  return rates_hz;
+}
+
+/// Rate in the lines before the table, as `Sampling rate: 100 Hz`; 0 if there is none, or if they
+/// contain several.
+double RateInNotes(const std::vector<std::string>& notes) {
+  double found_hz = 0.0;
+  for (const std::string& note : notes) {
+    for (const double rate_hz : RatesIn(note)) {
+      if (found_hz > 0.0 && rate_hz != found_hz) return 0.0;
+      found_hz = rate_hz;
+    }
+  }
+  return found_hz;
 }
 
 /// A table whose rows have no times of their own: the rate is the given one (0: none), the mean of
@@ -377,8 +425,58 @@ std::string ClockQuestion(const Inspection& inspection) {
   return "";
 }
 
+/// A sentence if rows of several hands, devices or sessions are in one table.
+std::string GroupQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
+                          bool has_map) {
+  const std::vector<std::size_t> joints = inspection.MappedColumns();
+  for (const RowGroups& group : groups) {
+    const std::string& name = inspection.columns[group.column()].name;
+    const std::string column = fmt::format("column {} '{}'", group.column() + 1, OneLine(name, 20));
+    if (group.Alternate(joints)) {
+      return fmt::format("rows of {} hands or devices alternate ({}); keep those of one in a file",
+                         group.count(), column);
+    }
+    if (!has_map && NamesParts(name) && group.Jump(joints)) {
+      return fmt::format(
+          "the joints jump where {} changes, and the clock does not start anew; write each of the "
+          "{} parts to a file",
+          column, group.count());
+    }
+  }
+  return "";
+}
+
+/// A sentence if the time falls from row to row.
+std::string FallingTimeQuestion(const Inspection& inspection) {
+  constexpr double kNearlyAlways = 0.9;
+  for (std::size_t c = 0; !inspection.has_time && c < inspection.columns.size(); ++c) {
+    const InspectedColumn& column = inspection.columns[c];
+    if (TimeScaleS(column.name) && column.statistics.falling_share > kNearlyAlways) {
+      return fmt::format("the time (column {}) falls from row to row; sort the rows by it", c + 1);
+    }
+  }
+  return "";
+}
+
+/// A sentence if the header has one name too few, and it is unknown which.
+std::string HeaderQuestion(const Inspection& inspection) {
+  if (!inspection.problems.contains(std::string(NameOf(RecordingProblem::kShortHeader)))) return "";
+  const bool is_last = inspection.columns.back().name.empty();
+  const InspectedColumn& nameless =
+      is_last ? inspection.columns.back() : inspection.columns.front();
+  constexpr double kNearlyAll = 0.95;
+  const bool counts = nameless.statistics.counting_share > kNearlyAll;
+  const bool is_clear = nameless.kind != CellKind::kNumber || nameless.statistics.step == 0.0 ||
+                        !nameless.time_unit.empty() || (!is_last && counts);
+  if (is_clear) return "";
+  return fmt::format(
+      "the header has {} names for {} columns, and the one without a name is unknown; name all",
+      inspection.columns.size() - 1, inspection.columns.size());
+}
+
 /// A sentence if the recording cannot be played as it is understood.
-std::string StopQuestion(const Inspection& inspection, bool has_map) {
+std::string StopQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
+                         bool has_map) {
   constexpr double kSlowest_hz = 1.0;
   constexpr double kFastest_hz = 1e4;
   const double rate_hz = inspection.time.rate_hz;
@@ -389,9 +487,12 @@ std::string StopQuestion(const Inspection& inspection, bool has_map) {
         rate_hz);
   }
   if (inspection.MappedColumns().empty()) return "no sensor of the hand changes its value";
-  if (has_map) return "";
-  const std::string question = ClockQuestion(inspection);
-  return question.empty() ? RangeQuestion(inspection) : question;
+  std::string question = GroupQuestion(inspection, groups, has_map);
+  if (has_map) return question;
+  for (const auto& ask : {HeaderQuestion, FallingTimeQuestion, ClockQuestion, RangeQuestion}) {
+    if (question.empty()) question = ask(inspection);
+  }
+  return question;
 }
 
 void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
@@ -408,8 +509,8 @@ void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
   }
 }
 
-void FindJoints(const TableStatistics& statistics, const InspectionOptions& options,
-                Inspection& inspection) {
+void FindJoints(const TableStatistics& statistics, const std::vector<RowGroups>& groups,
+                const InspectionOptions& options, Inspection& inspection) {
   const std::vector<ColumnEvidence> evidence = EvidenceOf(inspection, statistics);
   try {
     const std::vector<ColumnFamily> families =
@@ -425,7 +526,7 @@ void FindJoints(const TableStatistics& statistics, const InspectionOptions& opti
   UnwrapTurns(inspection);
   GuessSign(inspection);
   if (inspection.question.empty()) {
-    inspection.question = StopQuestion(inspection, !options.joints.map.empty());
+    inspection.question = StopQuestion(inspection, groups, !options.joints.map.empty());
   }
 }
 
@@ -473,7 +574,8 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
     inspection.columns[c].kind = KindOf(inspection.layout, c);
   }
   const TimeGuess time = GuessTime(inspection.layout);
-  const TableStatistics statistics = ReadTable(time, inspection.columns, reader);
+  std::vector<RowGroups> groups = GroupsToWatch(inspection.columns);
+  const TableStatistics statistics = ReadTable(time, inspection.columns, reader, groups);
   inspection.is_whole = *is_whole;
   inspection.remarks = reader.remarks();
   inspection.rows = statistics.rows();
@@ -486,7 +588,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
            options.rate_hz > 0.0 ? options.rate_hz : RateInNotes(inspection.layout.notes),
            inspection);
   KeepPicture(statistics, inspection);
-  FindJoints(statistics, options, inspection);
+  FindJoints(statistics, groups, options, inspection);
   TakeEnvelopes(file, options.array, time, inspection);
   return inspection;
 }

@@ -193,7 +193,9 @@ void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
     // Everything that is not a plain number between separators: rare, so clarity over speed.
     const std::string_view cell = TakeCell(rest, separator_);
     more = separator_ == ' ' ? !rest.empty() : cell.data() + cell.size() != end;
-    values[column] = meanings_[column] == Meaning::kIgnored ? kMissing : Number(cell, column + 1);
+    values[column] = meanings_[column] == Meaning::kIgnored ? kMissing
+                     : meanings_[column] == Meaning::kText  ? TextNumber(cell)
+                                                            : Number(cell, column + 1);
   }
   if (column < column_count_) {
     Problem(RecordingProblem::kTruncatedRow, column,
@@ -203,6 +205,15 @@ void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
     Problem(RecordingProblem::kRowTooLong, column_count_ + 1,
             fmt::format("the row has more than {} values", column_count_));
   }
+}
+
+double CsvReader::TextNumber(std::string_view cell) {
+  constexpr std::size_t kMostTexts = 4096;  // later ones have no number
+  const std::string_view text = Unquoted(cell);
+  const auto known = text_numbers_.find(text);
+  if (known != text_numbers_.end()) return known->second;
+  if (text.empty() || text_numbers_.size() == kMostTexts) return kMissing;
+  return text_numbers_.emplace(text, static_cast<double>(text_numbers_.size())).first->second;
 }
 
 double CsvReader::Number(std::string_view cell, std::size_t column) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -64,6 +65,9 @@ class CsvReader {
   /// The numbers of this column are the seconds of dates and clocks: see SecondsOfText.
   void ReadAsTime(std::size_t column) { meanings_.at(column) = Meaning::kTime; }
 
+  /// The numbers of this column are those of its texts, in the order of their first rows.
+  void ReadAsTexts(std::size_t column) { meanings_.at(column) = Meaning::kText; }
+
   /// The first rows that have column_count() cells, as text: at most so many of those up to a line
   /// of the file. NextRow() gives them again.
   std::vector<std::vector<std::string>> FirstRows(std::size_t most, std::size_t last_line);
@@ -97,6 +101,7 @@ class CsvReader {
   void ReadFirstRowOfData();
   std::vector<std::string> CellsOf(std::string_view line) const;
   void ParseRow(std::string_view line, std::span<double> values);
+  double TextNumber(std::string_view cell);
   void Problem(RecordingProblem problem, std::size_t column, const std::string& message);
 
   TextLines lines_;
@@ -106,8 +111,9 @@ class CsvReader {
   std::vector<std::string> remarks_;
   std::size_t column_count_ = 0;
   char separator_ = ',';
-  enum class Meaning : char { kNumber, kTime, kIgnored };
-  std::vector<Meaning> meanings_;  // of columns
+  enum class Meaning : char { kNumber, kTime, kText, kIgnored };
+  std::vector<Meaning> meanings_;                            // of columns
+  std::map<std::string, double, std::less<>> text_numbers_;  // of columns read as texts
   std::size_t first_row_line_ = 0;
   std::size_t row_ = 0;
 };

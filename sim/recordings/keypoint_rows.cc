@@ -96,9 +96,12 @@ std::string WideText(CsvReader& reader, const RowForm& form) {
     if (is_new) {
       for (const std::string& axis : form.value_names) names.push_back(keypoint + "_" + axis);
       if (names.size() > kMostWideColumns) {
-        throw UserError(
-            {.place = reader.name(),
-             .problem = fmt::format("has more than {} keypoints", kMostWideColumns / 3)});
+        throw UserError({.place = reader.name(),
+                         .problem = fmt::format(
+                             "column {} {} has more than {} different keypoints; give each "
+                             "the same name in every frame, as 0 to 20",
+                             *form.keypoint + 1, reader.Quoted(reader.header()[*form.keypoint]),
+                             kMostWideColumns / 3)});
       }
     }
     if (frames.empty() || frame != before) frames.push_back(frame);

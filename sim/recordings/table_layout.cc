@@ -207,7 +207,10 @@ FoundTable FindTable(const std::string& name, CsvReader::Source source, ProblemH
   };
   layout.decimal_comma = layout.separator != ',' && std::ranges::any_of(layout.rows, has_comma);
   constexpr std::size_t kMostChannels = 64;
-  if (layout.rows.size() < kMostChannels && layout.columns > 4 * kMostChannels) {
+  const auto is_name = [](const std::string& name) { return !name.empty() && !IsValue(name, ','); };
+  const bool has_names =
+      2 * static_cast<std::size_t>(std::ranges::count_if(layout.names, is_name)) > layout.columns;
+  if (!has_names && layout.rows.size() < kMostChannels && layout.columns > 4 * kMostChannels) {
     throw UserError(
         {.place = name,
          .problem = fmt::format("has a row per channel ({} rows of {} values); write it "

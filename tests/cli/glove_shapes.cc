@@ -580,6 +580,86 @@ void AddNumbers(Shapes& shapes) {
   shapes.back().question = "--hand left or --hand right";
 }
 
+/// A time in steps of 10 ms and two joints; `cell` gives what stands between them in a row.
+std::string TwoJoints(const std::string& header, const std::function<std::string(int row)>& cell,
+                      const std::function<double(int row, int sensor)>& angle_deg) {
+  std::string text = header;
+  for (int row = 0; row < kRows; ++row) {
+    text += fmt::format("{}{:.3f},{:.3f}\n", cell(row), angle_deg(row, 1), angle_deg(row, 2));
+  }
+  return text;
+}
+
+/// Rows of several hands or sessions in one table, headers that lack a name, and clocks that fall.
+void AddParts(Shapes& shapes) {
+  const Joints joints = {{"index_mcp", "index_mcp"}, {"index_pip", "index_pip"}};
+  const auto add = [&](const char* name, std::string text, const char* question) {
+    shapes.push_back({name, std::move(text), 100, "deg", joints});
+    shapes.back().question = question;
+  };
+  const auto hands = [](int row, int sensor) {
+    return row % 2 == 0 ? AngleDeg(row / 2, sensor) : 80.0 - AngleDeg(row / 2, sensor);
+  };
+  add("parts_hands",
+      TwoJoints(
+          "time,hand,index_mcp,index_pip\n",
+          [](int row) {
+            return fmt::format("{:.2f},{},", 0.01 * (row / 2), row % 2 == 0 ? "left" : "right");
+          },
+          hands),
+      "rows of 2 hands or devices alternate (column 2 'hand')");
+  add("parts_devices",
+      TwoJoints(
+          "time,device_id,index_mcp,index_pip\n",
+          [](int row) { return fmt::format("{:.3f},{},", 0.005 * row, 7 + row % 2); }, hands),
+      "rows of 2 hands or devices alternate (column 2 'device_id')");
+  const auto sessions = [](int row, int sensor) {
+    return 20.0 + 0.2 * AngleDeg(row, sensor) + (row / 40 == 1 ? 40.0 : 0.0);
+  };
+  add("parts_sessions",
+      TwoJoints(
+          "session_id,index_mcp,index_pip\n", [](int row) { return fmt::format("s{},", row / 40); },
+          sessions),
+      "the joints jump where column 1 'session_id' changes");
+  add("parts_trials",
+      TwoJoints(
+          "trial,time,index_mcp,index_pip\n",
+          [](int row) { return fmt::format("{},{:.2f},", row / 40, 0.01 * row); }, sessions),
+      "write each of the 3 parts to a file");
+  add("parts_user",
+      TwoJoints(
+          "user,time,index_mcp,index_pip\n",
+          [](int row) { return fmt::format("u{},{:.2f},", row / 40, 0.01 * row); }, AngleDeg),
+      "");
+  const auto time = [](int row) { return fmt::format("{:.2f},", 0.01 * row); };
+  add("header_short",
+      TwoJoints(
+          "time,index_mcp,index_pip\n",
+          [&](int row) { return time(row) + fmt::format("{:.3f},", AngleDeg(row, 0)); }, AngleDeg),
+      "the header has 3 names for 4 columns");
+  add("header_of_rows",
+      TwoJoints(
+          "time,index_mcp,index_pip\n",
+          [&](int row) { return fmt::format("\"{}\",{}", row + 1, time(row)); }, AngleDeg),
+      "the header has 3 names for 4 columns");
+  add("header_of_r",
+      TwoJoints(
+          "index_mcp,index_pip\n", [](int row) { return fmt::format("\"{}\",", row + 1); },
+          AngleDeg),
+      "");
+  shapes.back().rate_hz = 50;
+  add("time_falls",
+      TwoJoints(
+          "time,index_mcp,index_pip\n", [&](int row) { return time(kRows - row); }, AngleDeg),
+      "the time (column 1) falls from row to row");
+  add("rate_of_motive",
+      TwoJoints(
+          "Format Version,1.23,Capture Frame Rate,240.0\n\nFrame,index_mcp,index_pip\n",
+          [](int row) { return fmt::format("{},", row); }, AngleDeg),
+      "");
+  shapes.back().rate_hz = 240;
+}
+
 }  // namespace
 
 std::vector<GloveShape> GloveShapes() {
@@ -596,6 +676,7 @@ std::vector<GloveShape> GloveShapes() {
   AddOtherTools(shapes);
   AddTurnsAndSigns(shapes);
   AddNumbers(shapes);
+  AddParts(shapes);
   return shapes;
 }
 

@@ -18,9 +18,9 @@ struct GloveShape {
   std::string question = {};  // part of the sentence that must come; empty: may be answered
 };
 
-/// 68 shapes in eleven kinds: positions beside angles, motion sensors, dead sensors, lists in
+/// 78 shapes in twelve kinds: positions beside angles, motion sensors, dead sensors, lists in
 /// cells, rows per channel, no hand, labels in cells, JointState, other tools, turns and signs,
-/// numbers of sensors.
+/// numbers of sensors, several hands or sessions.
 std::vector<GloveShape> GloveShapes();
 
 }  // namespace gauntlet::test
