@@ -318,7 +318,7 @@ TEST_F(InspectCommand, TakesTheRateOfALineBeforeTheTable) {
   const std::string motive = "Format Version,1.23,Capture Frame Rate,240.0,Export Frame Rate,";
   EXPECT_EQ(Inspect(Write("motive.csv", motive + "240.0\n" + rows))["rate_hz"], 240.0);
   EXPECT_EQ(Inspect(Write("two.csv", motive + "120.0\n" + rows))["rate_is_assumed"], true);
-  EXPECT_EQ(Inspect(Write("hz.csv", "Frames 1 to 100 at 90 Hz\n" + rows))["rate_hz"], 90.0);
+  EXPECT_EQ(Inspect(Write("hz.csv", "Recorded 100 samples at 90 Hz\n" + rows))["rate_hz"], 90.0);
   const nlohmann::json other = Inspect(Write("other.csv", "Serial number: 120\n" + rows));
   EXPECT_EQ(other["rate_hz"], 50.0);
   EXPECT_EQ(other["rate_is_assumed"], true);
