@@ -65,7 +65,7 @@ bool RowGroups::Alternate(std::span<const std::size_t> sensors) const {
 
 bool RowGroups::Jump(std::span<const std::size_t> sensors) const {
   constexpr double kOften = 0.1;  // of the rows: groups of fewer rows are no sessions
-  constexpr double kLarger = 5.0;
+  constexpr double kLarger = 3.0;
   const bool is_often = static_cast<double>(changes_) > kOften * static_cast<double>(rows_);
   if (is_over_ || is_often) return false;
   const auto jumps = std::ranges::count_if(sensors, [this](std::size_t c) {
