@@ -207,7 +207,7 @@ FoundTable FindTable(const std::string& name, CsvReader::Source source, ProblemH
   };
   layout.decimal_comma = layout.separator != ',' && std::ranges::any_of(layout.rows, has_comma);
   constexpr std::size_t kMostChannels = 64;
-  const auto is_name = [](const std::string& name) { return !name.empty() && !IsValue(name, ','); };
+  const auto is_name = [](const std::string& cell) { return !cell.empty() && !IsValue(cell, ','); };
   const bool has_names =
       2 * static_cast<std::size_t>(std::ranges::count_if(layout.names, is_name)) > layout.columns;
   if (!has_names && layout.rows.size() < kMostChannels && layout.columns > 4 * kMostChannels) {
