@@ -5,7 +5,6 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "sim/device/frame_sink.h"
@@ -15,34 +14,11 @@
 #include "sim/live/frame_channels.h"
 #include "sim/live/live_view.h"
 #include "sim/live/real_time.h"
+#include "sim/live/stage_clock.h"
 #include "sim/live/trend.h"
 #include "sim/trial/trial.h"
 
 namespace gauntlet::sim {
-
-/// Where the time goes between the arrival of a sample and its command.
-enum class Stage : std::uint8_t {
-  kInput,     // arrival until the input thread has decoded it
-  kTick,      // until the control thread takes it, at its next tick
-  kReceiver,  // until the receiver uses it: sampling grid, buffer, queue
-  kFilter,    // until the controller has it
-  kEvent,     // until a command frame is due
-  kSend,      // until the frame has been handed to the system
-};
-inline constexpr std::size_t kStages = 6;
-/// As in live.json and for people.
-struct StageName {
-  std::string_view key;
-  std::string_view text;
-};
-inline constexpr std::array<StageName, kStages> kStageNames = {{
-    {"input", "input thread"},
-    {"tick", "wait for the tick"},
-    {"receiver", "receiver: grid, buffer, queue"},
-    {"filter", "filter and maps"},
-    {"event", "wait for the command frame"},
-    {"send", "send"},
-}};
 
 /// Another controller that gets the same samples and drives nothing.
 struct ShadowSetup {

@@ -56,7 +56,7 @@ class LiveView {
     std::ranges::copy(hand_rad, place);
     moments_.Push(moment, row_);
   }
-  /// Of the thread that sends commands: the stages of one, as in live_session.h [us].
+  /// Of the thread that sends commands: the stages of one, as in stage_clock.h [us].
   void ShowStages(std::span<const double> stages_us) noexcept { stages_.Push(0, stages_us); }
   /// Number of the controller that is asked for since the last call, or -1.
   int TakeAsked() noexcept { return asked_.exchange(-1, std::memory_order_acq_rel); }

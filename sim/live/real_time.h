@@ -13,6 +13,11 @@ struct RealTimeRights {
   std::string Refusal() const;
 };
 
+/// Priorities of SCHED_FIFO of the threads of a session.
+inline constexpr int kControlPriority = 80;
+inline constexpr int kOutputPriority = 79;
+inline constexpr int kInputPriority = 78;
+
 /// Gives the calling thread the priority `priority` of SCHED_FIFO, touches the first 512 KiB of its
 /// stack, and sets its timer slack to 1 ns. True if the priority was allowed.
 bool RaisePriority(int priority) noexcept;

@@ -6,7 +6,7 @@
 #include <csignal>
 #include <system_error>
 #include <thread>
-#include <vector>
+#include <utility>
 
 #include "sim/base/error.h"
 
@@ -28,25 +28,16 @@ class WithoutSignals {
   sigset_t before_;
 };
 
-/// Threads that end before their owner is destroyed, whatever happens.
-class Threads {
- public:
-  template <class Work>
-  void Start(const Work& work) {
-    const WithoutSignals without;
-    try {
-      threads_.emplace_back(work);
-    } catch (const std::system_error& error) {
-      throw RunError(fmt::format("cannot start a thread: {}", error.what()));
-    }
+/// A thread that gets no signals. Its owner asks it to stop and waits for it when it is destroyed.
+/// Errors: RunError if no thread starts.
+template <class Work>
+std::jthread StartThread(Work work) {
+  const WithoutSignals without;
+  try {
+    return std::jthread(std::move(work));
+  } catch (const std::system_error& error) {
+    throw RunError(fmt::format("cannot start a thread: {}", error.what()));
   }
-  void Join() {
-    for (std::thread& thread : threads_) thread.join();
-    threads_.clear();
-  }
-
- private:
-  std::vector<std::thread> threads_;
-};
+}
 
 }  // namespace gauntlet::sim

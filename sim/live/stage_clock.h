@@ -2,13 +2,37 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "sim/live/duration_histogram.h"
-#include "sim/live/live_session.h"
 #include "sim/live/live_view.h"
 #include "sim/live/trend.h"
 
 namespace gauntlet::sim {
+
+/// Where the time goes between the arrival of a sample and its command.
+enum class Stage : std::uint8_t {
+  kInput,     // arrival until the input thread has decoded it
+  kTick,      // until the control thread takes it, at its next tick
+  kReceiver,  // until the receiver uses it: sampling grid, buffer, queue
+  kFilter,    // until the controller has it
+  kEvent,     // until a command frame is due
+  kSend,      // until the frame has been handed to the system
+};
+inline constexpr std::size_t kStages = 6;
+/// As in live.json and for people.
+struct StageName {
+  std::string_view key;
+  std::string_view text;
+};
+inline constexpr std::array<StageName, kStages> kStageNames = {{
+    {"input", "input thread"},
+    {"tick", "wait for the tick"},
+    {"receiver", "receiver: grid, buffer, queue"},
+    {"filter", "filter and maps"},
+    {"event", "wait for the command frame"},
+    {"send", "send"},
+}};
 
 /// When what happened to the sample behind a command.
 struct SampleTimes {
@@ -20,7 +44,7 @@ struct SampleTimes {
   std::int64_t filtered_ns = 0;
 };
 
-/// A command frame on its way to the output thread.
+/// A command frame on its way to the motors.
 struct OutputHead {
   SampleTimes sample;
   std::int64_t number = 0;

@@ -21,6 +21,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -166,25 +167,18 @@ class LiveServer::Server {
                                               "takes any free port",
                                               config_.address)});
     }
-    threads_.Start([this] { Watch(); });
-    try {
-      threads_.Start([this] { Listen(); });
-    } catch (...) {
-      ends_.store(true, std::memory_order_release);
-      threads_.Join();
-      throw;
-    }
+    watcher_ = StartThread([this](const std::stop_token& stop) { Watch(stop); });
+    listener_ = StartThread([this] { Listen(); });
   }
 
   ~Server() {
-    ends_.store(true, std::memory_order_release);
+    watcher_.request_stop();
     events_.End();
     constexpr int kMostWaits = 30;
     for (int i = 0; i < kMostWaits && streams_.load() > 0; ++i) std::this_thread::sleep_for(kLook);
     // A server that does not listen yet cannot be stopped.
     while (!http_.is_running() && !has_listened_.load()) std::this_thread::sleep_for(kLook);
     http_.stop();
-    threads_.Join();
   }
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -310,9 +304,9 @@ class LiveServer::Server {
   }
 
   /// Takes what the session shows, so that its rings do not fill.
-  void Watch() {
+  void Watch(const std::stop_token& stop) {
     std::string stages;
-    while (!ends_.load(std::memory_order_acquire)) {
+    while (!stop.stop_requested()) {
       while (view_.NextStages([&](std::span<const double> stages_us) {
         if (!stages.empty()) stages += ',';
         AddList(stages_us, 1e-3, 3, stages);
@@ -352,10 +346,10 @@ class LiveServer::Server {
   Events events_;
   SwitchLimit limit_;
   std::atomic<int> streams_ = 0;
-  std::atomic<bool> ends_ = false;
   std::atomic<bool> has_listened_ = false;
   httplib::Server http_;
-  Threads threads_;
+  std::jthread watcher_;  // last, with the next: they end before what they use
+  std::jthread listener_;
 };
 
 LiveServer::LiveServer(LiveServerConfig config, LiveView& view)

@@ -1,0 +1,37 @@
+#include "sim/live/shadows.h"
+
+#include <algorithm>
+
+#include "sim/device/device_clock.h"
+
+namespace gauntlet::sim {
+
+Shadows::Shadows(const LiveSetup& setup)
+    : steps_(setup.shadows.size()),
+      targets_rad_(setup.shadows.size() * setup.trial.hand->joint_names().size()) {
+  for (const ShadowSetup& shadow : setup.shadows) {
+    controllers_.emplace_back(shadow.controller, setup.trial.calibration,
+                              setup.trial.hand->transmission(),
+                              setup.trial.hand->timing().controller, setup.trial.joint_map);
+  }
+}
+
+void Shadows::Reset(std::span<const std::int32_t> motor_counts) {
+  for (controller::Controller& controller : controllers_) controller.Reset(motor_counts);
+}
+
+void Shadows::Step(std::span<const double> sample_counts) noexcept {
+  auto target = targets_rad_.begin();
+  for (std::size_t i = 0; i < controllers_.size(); ++i) {
+    const std::int64_t begin_ns = MonotonicNow_ns();
+    if (sample_counts.empty()) {
+      controllers_[i].Step();
+    } else {
+      controllers_[i].Step({.counts = sample_counts});
+    }
+    steps_[i].Add(MonotonicNow_ns() - begin_ns);
+    target = std::ranges::copy(controllers_[i].target_angle_rad(), target).out;
+  }
+}
+
+}  // namespace gauntlet::sim

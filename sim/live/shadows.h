@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "controller/controller.h"
+#include "sim/live/duration_histogram.h"
+#include "sim/live/live_session.h"
+
+namespace gauntlet::sim {
+
+/// Further controllers that get the samples of the one that drives, and drive nothing. Of the
+/// control thread.
+class Shadows {
+ public:
+  /// Errors: SettingError of a controller.
+  explicit Shadows(const LiveSetup& setup);
+
+  bool exist() const noexcept { return !controllers_.empty(); }
+  /// As new, told where the motors are.
+  void Reset(std::span<const std::int32_t> motor_counts);
+  /// A tick with the counts of a sample, or without (empty).
+  void Step(std::span<const double> sample_counts) noexcept;
+  /// Angles that they ask for after the last step. Shape: shadows x joints. Units: rad.
+  std::span<const double> targets_rad() const noexcept { return targets_rad_; }
+  /// Times of the steps of a shadow.
+  const DurationHistogram& step(std::size_t shadow) const { return steps_[shadow]; }
+
+ private:
+  std::vector<controller::Controller> controllers_;
+  std::vector<DurationHistogram> steps_;
+  std::vector<double> targets_rad_;
+};
+
+}  // namespace gauntlet::sim
