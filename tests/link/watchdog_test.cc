@@ -7,20 +7,13 @@
 #include <cstdlib>
 #include <vector>
 
+#include "tests/link/two_motors.h"
+
 namespace gauntlet::sim {
 namespace {
 
 using Tier = Watchdog::Tier;
 constexpr controller::Timing kTickOf1Ms;
-
-/// Two motors of 1000 counts per radian; the safe posture is 500.
-controller::TendonTransmission TwoMotors() {
-  controller::TendonTransmission hand;
-  hand.motor_names = {"a", "b"};
-  hand.counts_per_rad = {1000.0, -1000.0};
-  hand.center_counts = {500, 500};
-  return hand;
-}
 
 constexpr double kSpeed_deg_s = 90.0;
 constexpr double kMostPerTick = 1000.0 * kSpeed_deg_s * 3.14159265358979 / 180.0 * 1e-3;
@@ -32,7 +25,7 @@ Watchdog Tiers() {
                                   .relax_deg_s = kSpeed_deg_s,
                                   .return_deg_s = 3.0 * kSpeed_deg_s,
                                   .good_frames = 5}},
-                  TwoMotors(), kTickOf1Ms);
+                  test::TwoMotors(), kTickOf1Ms);
 }
 
 /// Frames every 10 ticks but in a gap; the wearer jumps in it.
