@@ -25,6 +25,10 @@ std::string PartOption(const Inspection& inspection) {
   return (inspection.topics.empty() ? " --array " : " --topic ") + ShellWord(inspection.array);
 }
 
+bool AnswersByMap(const Inspection& inspection) {
+  return inspection.remedy == Remedy::kMap || inspection.remedy == Remedy::kPresetOrMap;
+}
+
 }  // namespace
 
 bool IsRecordingFile(const fs::path& file) {
@@ -49,14 +53,16 @@ void WriteStarter(const std::string& target, const std::string& text, bool force
 
 void CheckQuestion(const Inspection& inspection, const std::string& map) {
   if (inspection.question.empty()) return;
-  const bool has_rows = !inspection.Sensors().empty();
-  const std::string array = PartOption(inspection);
-  const std::string way =
-      inspection.is_command_log
-          ? fmt::format("; next: gauntlet identify {}{}", ShellPath(inspection.file), array)
-      : !has_rows   ? ""
-      : map.empty() ? "; --preset NAME, or --write-map MAP.csv and fill it in"
-                    : fmt::format("; fill in {}, then --map {}", ShellPath(map), ShellPath(map));
+  std::string way;
+  if (inspection.remedy == Remedy::kIdentify) {
+    way = fmt::format("; next: gauntlet identify {}{}", ShellPath(inspection.file),
+                      PartOption(inspection));
+  } else if (AnswersByMap(inspection) && !map.empty()) {
+    way = fmt::format("; fill in {}, then --map {}", ShellPath(map), ShellPath(map));
+  } else if (AnswersByMap(inspection)) {
+    way = fmt::format("; {}--write-map MAP.csv and fill it in",
+                      inspection.remedy == Remedy::kPresetOrMap ? "--preset NAME, or " : "");
+  }
   throw UserError({.place = inspection.file, .problem = inspection.question + way});
 }
 
@@ -71,7 +77,7 @@ std::string ScenarioOfRecording(const fs::path& recording, const std::string& ma
   const bool is_assumed = std::ranges::any_of(inspection.MappedColumns(), [&](std::size_t c) {
     return inspection.columns[c].basis == JointBasis::kAssumed;
   });
-  if (inspection.layout.columns == 0) CheckQuestion(inspection, map);  // about the topic
+  if (!AnswersByMap(inspection)) CheckQuestion(inspection, map);
   if (map.empty() && (is_assumed || !inspection.question.empty())) {
     throw UserError(
         {.place = recording.string(),

@@ -303,7 +303,9 @@ void TakeJoints(const std::vector<ColumnFamily>& families, const JointChoice& ch
   inspection.unit_high = choice.high;
   if (inspection.unit == RawUnit::kCounts) inspection.bits = BitsFor(choice.high);
   inspection.question = choice.question;
-  inspection.is_command_log = choice.is_command_log;
+  inspection.remedy = choice.is_command_log    ? Remedy::kIdentify
+                      : choice.columns.empty() ? Remedy::kInSentence
+                                               : Remedy::kPresetOrMap;
 }
 
 double DegPerUnit(const Inspection& inspection) {
@@ -419,31 +421,39 @@ std::string ClockQuestion(const Inspection& inspection) {
     }
     return fmt::format(
         "the joints have a clock of their own, column {}, which takes {:.4g} s, not {:.4g} s; "
-        "name it as the time in a map: --map MAP.csv",
+        "name it as the time in a map",
         c + 1, own_s, duration_s);
   }
   return "";
 }
 
-/// A sentence if rows of several hands, devices or sessions are in one table.
-std::string GroupQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
+/// A sentence and its remedy.
+struct Question {
+  std::string sentence = {};  // empty: none
+  Remedy remedy = Remedy::kInSentence;
+};
+
+/// A question if rows of several hands, devices or sessions are in one table.
+Question GroupQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
                           bool has_map) {
   const std::vector<std::size_t> joints = inspection.MappedColumns();
   for (const RowGroups& group : groups) {
     const std::string& name = inspection.columns[group.column()].name;
     const std::string column = fmt::format("column {} '{}'", group.column() + 1, OneLine(name, 20));
     if (group.Alternate(joints)) {
-      return fmt::format("rows of {} hands or devices alternate ({}); keep those of one in a file",
-                         group.count(), column);
+      return {
+          fmt::format("rows of {} hands or devices alternate ({}); keep those of one in a file",
+                      group.count(), column)};
     }
     if (!has_map && NamesParts(name) && group.Jump(joints)) {
-      return fmt::format(
-          "the joints jump where {} changes, and the clock does not start anew; write each of the "
-          "{} parts to a file",
-          column, group.count());
+      return {fmt::format(
+                  "the joints jump where {} changes, and the clock does not start anew; write each "
+                  "of the {} parts to a file, or keep all as one recording by a map",
+                  column, group.count()),
+              Remedy::kMap};
     }
   }
-  return "";
+  return {};
 }
 
 /// A sentence if the time falls from row to row.
@@ -474,24 +484,25 @@ std::string HeaderQuestion(const Inspection& inspection) {
       inspection.columns.size() - 1, inspection.columns.size());
 }
 
-/// A sentence if the recording cannot be played as it is understood.
-std::string StopQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
+/// A question if the recording cannot be played as it is understood.
+Question StopQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
                          bool has_map) {
   constexpr double kSlowest_hz = 1.0;
   constexpr double kFastest_hz = 1e4;
   const double rate_hz = inspection.time.rate_hz;
   if (rate_hz < kSlowest_hz || rate_hz > kFastest_hz) {
-    return fmt::format(
-        "{:.4g} rows per second, must be from 1 to 10000: the unit of the time is "
-        "another",
-        rate_hz);
+    return {fmt::format(
+                "{:.4g} rows per second, must be from 1 to 10000: the unit of the time is another",
+                rate_hz),
+            Remedy::kMap};
   }
-  if (inspection.MappedColumns().empty()) return "no sensor of the hand changes its value";
-  std::string question = GroupQuestion(inspection, groups, has_map);
+  if (inspection.MappedColumns().empty()) return {"no sensor of the hand changes its value"};
+  Question question = GroupQuestion(inspection, groups, has_map);
   if (has_map) return question;
-  for (const auto& ask : {HeaderQuestion, FallingTimeQuestion, ClockQuestion, RangeQuestion}) {
-    if (question.empty()) question = ask(inspection);
-  }
+  if (question.sentence.empty()) question = {HeaderQuestion(inspection)};
+  if (question.sentence.empty()) question = {FallingTimeQuestion(inspection)};
+  if (question.sentence.empty()) question = {ClockQuestion(inspection), Remedy::kMap};
+  if (question.sentence.empty()) question = {RangeQuestion(inspection), Remedy::kPresetOrMap};
   return question;
 }
 
@@ -526,7 +537,9 @@ void FindJoints(const TableStatistics& statistics, const std::vector<RowGroups>&
   UnwrapTurns(inspection);
   GuessSign(inspection);
   if (inspection.question.empty()) {
-    inspection.question = StopQuestion(inspection, groups, !options.joints.map.empty());
+    const Question stop = StopQuestion(inspection, groups, !options.joints.map.empty());
+    inspection.question = stop.sentence;
+    inspection.remedy = stop.remedy;
   }
 }
 

@@ -39,6 +39,14 @@ struct InspectedColumn {
   std::string why;           // reason for the channel, or for ignoring the column
 };
 
+/// Answer to the question of an Inspection.
+enum class Remedy {
+  kInSentence,   // named by the question itself
+  kMap,          // a column map
+  kPresetOrMap,  // a glove's preset or a column map
+  kIdentify,     // another command, as the file is a log of commands and angles
+};
+
 /// Findings about a third-party recording.
 struct Inspection {
   std::string file;
@@ -64,8 +72,8 @@ struct Inspection {
   double unit_high = 0.0;  // highest usual value of the sensors
   int bits = 0;            // for counts
   std::string unit_why;
-  bool is_command_log = false;
   std::string question;  // that stops the work until it is answered; empty: none
+  Remedy remedy = Remedy::kInSentence;  // of the question
   std::vector<InspectedColumn> columns;
   std::vector<double> picture_time_s;               // of some rows
   std::vector<std::vector<double>> picture_values;  // per column; empty without numbers

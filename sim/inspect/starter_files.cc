@@ -214,11 +214,12 @@ std::string HeadOfMap(const Inspection& inspection) {
       "({})\n",
       NameOf(inspection.unit), inspection.unit_is_assumed ? ", assumed" : "", inspection.unit_why);
   if (!inspection.question.empty()) {
-    map += fmt::format(
-        "# Open: {}.\n# Write a channel of gauntlet list channels in place of ignore, and give "
-        "this "
-        "file as --map.\n",
-        inspection.question);
+    map += fmt::format("# Open: {}.\n", inspection.question);
+  }
+  if (!inspection.question.empty() && inspection.remedy == Remedy::kPresetOrMap) {
+    map +=
+        "# Write a channel of gauntlet list channels in place of ignore, and give this file as "
+        "--map.\n";
   }
   if (HasEnvelopes(inspection)) {
     map +=

@@ -596,6 +596,7 @@ void AddParts(Shapes& shapes) {
   const auto add = [&](const char* name, std::string text, const char* question) {
     shapes.push_back({name, std::move(text), 100, "deg", joints});
     shapes.back().question = question;
+    shapes.back().map_answers = shapes.back().name.starts_with("parts_session");
   };
   const auto hands = [](int row, int sensor) {
     return row % 2 == 0 ? AngleDeg(row / 2, sensor) : 80.0 - AngleDeg(row / 2, sensor);
@@ -625,7 +626,8 @@ void AddParts(Shapes& shapes) {
       TwoJoints(
           "trial,time,index_mcp,index_pip\n",
           [](int row) { return fmt::format("{},{:.2f},", row / 40, 0.01 * row); }, sessions),
-      "write each of the 3 parts to a file");
+      "write each of the 3 parts to a file, or keep all as one recording by a map");
+  shapes.back().map_answers = true;
   add("parts_user",
       TwoJoints(
           "user,time,index_mcp,index_pip\n",

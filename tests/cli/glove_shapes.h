@@ -16,6 +16,7 @@ struct GloveShape {
   bool is_inverted = false;                        // the angles fall while the joints bend
   std::vector<std::string> options = {};           // of gauntlet inspect
   std::string question = {};  // part of the sentence that must come; empty: may be answered
+  bool map_answers = true;    // the question: else no advice names a map
 };
 
 /// 78 shapes in twelve kinds: positions beside angles, motion sensors, dead sensors, lists in

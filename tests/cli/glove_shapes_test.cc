@@ -96,6 +96,8 @@ Judged Judge(const GloveShape& shape) {
     const std::string line = last == std::string::npos ? "" : looked.standard_error.substr(last);
     const bool is_asked =
         line.find(shape.question) != std::string::npos && std::ranges::count(line, '\n') == 1;
+    const bool names_map = line.find("--map") != std::string::npos;
+    if (names_map && !shape.map_answers) return {Answer::kWrong, "a map does not help: " + line};
     return {is_asked ? Answer::kAsks : Answer::kWrong, line};
   }
   if (looked.exit_code != 0) return {Answer::kWrong, looked.standard_error};
