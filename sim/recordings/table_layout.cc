@@ -32,7 +32,8 @@ struct Line {
 
 std::vector<Line> LinesOf(std::string_view head) {
   if (head.size() == kHeadBytes) {  // probably cut: the last line may be incomplete
-    head = head.substr(0, head.rfind('\n'));
+    const std::size_t end = head.rfind('\n');
+    head = head.substr(0, end == std::string_view::npos ? head.rfind('\r') : end);
   }
   TextLines text("", TextSource(head));
   std::vector<Line> lines;

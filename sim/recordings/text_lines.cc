@@ -45,10 +45,33 @@ bool ClosesItsQuotes(std::string_view line) {
   });
 }
 
+/// The same text with line feeds, if its lines end with CR alone: if something follows the first CR
+/// and no LF is in sight.
+TextLines::Source WithLineFeeds(TextLines::Source source) {
+  enum class Ends { kUnknown, kUsual, kCarriageReturns };
+  return
+      [source = std::move(source), ends = Ends::kUnknown](char* buffer, std::size_t size) mutable {
+        const std::size_t got = source(buffer, size);
+        const std::string_view text(buffer, got);
+        if (ends == Ends::kUnknown) {
+          const std::size_t first = text.find('\r');
+          if (text.find('\n') != std::string_view::npos) {
+            ends = Ends::kUsual;
+          } else if (text.find_first_not_of('\r', first) != std::string_view::npos) {
+            ends = Ends::kCarriageReturns;
+          }
+        }
+        if (ends == Ends::kCarriageReturns) std::replace(buffer, buffer + got, '\r', '\n');
+        return got;
+      };
+}
+
 }  // namespace
 
 TextLines::TextLines(std::string name, Source source)
-    : name_(std::move(name)), source_(std::move(source)), buffer_(std::size_t{1} << 16) {}
+    : name_(std::move(name)),
+      source_(WithLineFeeds(std::move(source))),
+      buffer_(std::size_t{1} << 16) {}
 
 void TextLines::Refill() {
   if (begin_ > 0) {

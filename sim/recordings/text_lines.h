@@ -17,7 +17,7 @@ struct TextLine {
 
 /// Gives a text line by line, with a fixed buffer, so that memory does not grow with the text.
 ///
-/// Ends are LF or CRLF; the byte order mark is left out. A cell in double quotes may contain ends
+/// Ends are LF, CRLF or CR; the byte order mark is left out. A cell in quotes may contain ends
 /// of lines (RFC 4180): up to 16 lines are one then, with a blank in place of each end. A quote
 /// that no line closes is a letter. Lines that begin with '#' are never joined.
 class TextLines {
