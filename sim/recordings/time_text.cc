@@ -129,7 +129,7 @@ std::optional<double> SecondsOfText(std::string_view text) {
     const auto date_s = TakeDate(scanner, *first, separator);
     if (!date_s) return std::nullopt;
     if (scanner.at_end()) return date_s;
-    if (!scanner.TakeAnyOf(" Tt_")) return std::nullopt;
+    if (!scanner.TakeAnyOf(separator == '/' ? " Tt_/" : " Tt_")) return std::nullopt;
     seconds = *date_s;
     first = scanner.TakeNumber(2);
     break;

@@ -237,6 +237,8 @@ TEST(SecondsOfText, ReadsDatesAndClocks) {
       {"05:07.25", 307.25},
       {"\"00:00:01\"", 1.0},
       {"23:59:60", day_s},  // a leap second
+      {"1970/01/02/00:00:01.25", day_s + 1.25},
+      {"1970-01-01T00:00:01.123456+00:00", 1.123456},
   };
   for (const auto& [text, seconds] : known) {
     const auto read = SecondsOfText(text);
