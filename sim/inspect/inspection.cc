@@ -38,12 +38,6 @@ CsvReader::Source BeginningOf(CsvReader::Source source, const std::shared_ptr<bo
   };
 }
 
-bool NamesParts(const std::string& name) {
-  return HasWordOf(WordsOf(name),
-                   "session sessions trial trials episode episodes take run repetition rep "
-                   "recording part segment file subject participant person user");
-}
-
 bool NamesDevices(const std::string& name) {
   return HasWordOf(WordsOf(name),
                    "hand handedness side device sensor glove servo motor joint id subject "
@@ -182,10 +176,11 @@ int BitsFor(double high) {
 std::vector<ColumnEvidence> EvidenceOf(const Inspection& inspection,
                                        const TableStatistics& statistics) {
   std::vector<ColumnEvidence> evidence;
+  const std::vector<std::string> names = WithFingers(inspection.layout.names);
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     const InspectedColumn& column = inspection.columns[c];
     const bool is_number = column.kind == CellKind::kNumber;
-    evidence.push_back({.name = column.name,
+    evidence.push_back({.name = names[c],
                         .is_text = !is_number,
                         .is_time = !column.time_unit.empty(),
                         .statistics = column.statistics,
@@ -435,15 +430,14 @@ struct Question {
 
 /// A question if rows of several hands, devices or sessions are in one table.
 Question GroupQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
-                          bool has_map) {
+                       bool has_map) {
   const std::vector<std::size_t> joints = inspection.MappedColumns();
   for (const RowGroups& group : groups) {
     const std::string& name = inspection.columns[group.column()].name;
     const std::string column = fmt::format("column {} '{}'", group.column() + 1, OneLine(name, 20));
     if (group.Alternate(joints)) {
-      return {
-          fmt::format("rows of {} hands or devices alternate ({}); keep those of one in a file",
-                      group.count(), column)};
+      return {fmt::format("rows of {} hands or devices alternate ({}); keep those of one in a file",
+                          group.count(), column)};
     }
     if (!has_map && NamesParts(name) && group.Jump(joints)) {
       return {fmt::format(
@@ -468,6 +462,21 @@ std::string FallingTimeQuestion(const Inspection& inspection) {
   return "";
 }
 
+/// A sentence if texts that may be the time are not understood, and the rate would be assumed.
+std::string TextTimeQuestion(const Inspection& inspection) {
+  for (std::size_t c = 0; !inspection.rate_is_known && c < inspection.columns.size(); ++c) {
+    const InspectedColumn& column = inspection.columns[c];
+    const bool is_named = TimeScaleS(column.name) ||
+                          HasWordOf(WordsOf(column.name), "time timestamp datetime clock stamp");
+    if (inspection.has_time || column.kind != CellKind::kText || !is_named) continue;
+    return fmt::format(
+        "the time (column {}) is a text that is not understood: '{}'; write it in seconds, or give "
+        "the rate to gauntlet inspect --rate HZ",
+        c + 1, OneLine(inspection.layout.rows.front()[c], 30));
+  }
+  return "";
+}
+
 /// A sentence if the header has one name too few, and it is unknown which.
 std::string HeaderQuestion(const Inspection& inspection) {
   if (!inspection.problems.contains(std::string(NameOf(RecordingProblem::kShortHeader)))) return "";
@@ -486,7 +495,7 @@ std::string HeaderQuestion(const Inspection& inspection) {
 
 /// A question if the recording cannot be played as it is understood.
 Question StopQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
-                         bool has_map) {
+                      bool has_map) {
   constexpr double kSlowest_hz = 1.0;
   constexpr double kFastest_hz = 1e4;
   const double rate_hz = inspection.time.rate_hz;
@@ -501,6 +510,7 @@ Question StopQuestion(const Inspection& inspection, const std::vector<RowGroups>
   if (has_map) return question;
   if (question.sentence.empty()) question = {HeaderQuestion(inspection)};
   if (question.sentence.empty()) question = {FallingTimeQuestion(inspection)};
+  if (question.sentence.empty()) question = {TextTimeQuestion(inspection)};
   if (question.sentence.empty()) question = {ClockQuestion(inspection), Remedy::kMap};
   if (question.sentence.empty()) question = {RangeQuestion(inspection), Remedy::kPresetOrMap};
   return question;

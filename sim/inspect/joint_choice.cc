@@ -276,7 +276,8 @@ void TakeBest(const std::vector<const ColumnFamily*>& sensors,
     return;
   }
   std::vector<std::string> own_names;
-  for (const std::size_t c : choice.columns) own_names.push_back(names[c]);
+  const std::vector<std::string> finger_names = WithFingers(names);
+  for (const std::size_t c : choice.columns) own_names.push_back(finger_names[c]);
   choice.joints = JointsByNames(own_names, choice.question);
   // A word that is not known may say that it is no angle of the joint.
   if (!std::ranges::all_of(family.facts.words, [](const std::string& word) {

@@ -152,7 +152,11 @@ std::vector<ColumnJoint> JointsByNames(const std::vector<std::string>& names,
     const NamedSensor& sensor = sensors[i];
     if (has_long_thumb && sensor.finger == "thumb" && !joints[i].channel.empty()) continue;
     if (sensor.channel.empty()) {
-      if (!sensor.finger.empty()) only_finger[sensor.finger].push_back(i);
+      if (HasWordOf(WordsOf(names[i]), "crossover arch")) {
+        joints[i].why = "measures no single joint";
+      } else if (!sensor.finger.empty()) {
+        only_finger[sensor.finger].push_back(i);
+      }
       continue;
     }
     const auto [first, is_first] = column_of.try_emplace(sensor.channel, i);

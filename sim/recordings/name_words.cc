@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <functional>
 
 #include "sim/recordings/time_columns.h"
 
@@ -16,11 +17,12 @@ constexpr std::array<Meaning, 5> kFingers = {
      {"ring", "ring rf rfj"},
      {"little", "little pinky pinkie pink small lf lfj"}}};
 
-constexpr std::array<Meaning, 5> kJoints = {{{"mcp", "mcp mpj knuckle proximal inner near"},
-                                             {"pip", "pip pij intermediate"},
-                                             {"ip", "ip"},
-                                             {"dip", "dip dij distal outer far tip"},
-                                             {"rotation", "cmc tmc roll rotation rot opposition"}}};
+constexpr std::array<Meaning, 5> kJoints = {
+    {{"mcp", "mcp mpj knuckle proximal inner near"},
+     {"pip", "pip pij intermediate"},
+     {"ip", "ip ij"},
+     {"dip", "dip dij distal outer far tip"},
+     {"rotation", "cmc tmc tmj roll rotation rot opposition"}}};
 
 constexpr std::array<Meaning, 4> kArmParts = {{{"wrist", "wrist wr"},
                                                {"forearm", "forearm pronation"},
@@ -65,10 +67,33 @@ bool HasWordOf(const std::vector<std::string>& words, std::string_view list) {
                              [list](const std::string& word) { return IsWordOf(list, word); });
 }
 
+std::vector<std::string> WithFingers(std::vector<std::string> names) {
+  constexpr std::string_view kLetters = "timrl";
+  std::array<bool, kLetters.size()> found = {};
+  const auto finger_of = [&](const std::string& name) {
+    const std::vector<std::string> words = WordsOf(name);
+    return words.size() < 2 || words[0].size() != 1 ? kLetters.npos : kLetters.find(words[0]);
+  };
+  for (const std::string& name : names) {
+    if (const std::size_t finger = finger_of(name); finger != kLetters.npos) found[finger] = true;
+  }
+  if (!std::ranges::all_of(found, std::identity())) return names;
+  for (std::string& name : names) {
+    const std::size_t finger = finger_of(name);
+    const std::size_t letter = name.find_first_of("TIMRLtimrl");
+    if (finger != kLetters.npos) name.replace(letter, 1, kFingers[finger].means);
+  }
+  return names;
+}
 std::string_view FingerOf(std::string_view word) { return MeaningOf(kFingers, word); }
 std::string_view JointOf(std::string_view word) { return MeaningOf(kJoints, word); }
 bool IsSpread(std::string_view word) {
   return IsWordOf("abd abduction adduction abducted spread splay aa", word);
+}
+bool NamesParts(std::string_view name) {
+  return HasWordOf(WordsOf(name),
+                   "session sessions trial trials episode episodes take run repetition rep "
+                   "recording part segment file subject participant person user");
 }
 bool IsSensorWord(std::string_view word) {
   return IsWordOf(

@@ -18,6 +18,10 @@ std::string_view MeaningOf(std::span<const Meaning> list, std::string_view word)
 /// Words of a name in lower case: `IndexPIP_deg2` is index, pip, deg, 2.
 std::vector<std::string> WordsOf(std::string_view name);
 
+/// The names with thumb, index .. in place of the first words T, I, M, R and L, as of a CyberGlove,
+/// where all five stand in front: R and L are no sides there.
+std::vector<std::string> WithFingers(std::vector<std::string> names);
+
 /// True if one of `words` is in the list, which has blanks between its words.
 bool HasWordOf(const std::vector<std::string>& words, std::string_view list);
 
@@ -29,6 +33,8 @@ std::string_view JointOf(std::string_view word);
 bool IsSpread(std::string_view word);
 /// wrist, forearm, elbow or shoulder; empty for other words.
 std::string_view ArmPartOf(std::string_view word);
+/// True for the name of a column that tells sessions, trials or other parts of a table apart.
+bool NamesParts(std::string_view name);
 /// True for words of sensors whose order may be a glove's: flex, sensor, adc, deg ..
 bool IsSensorWord(std::string_view word);
 /// True for words of positions and joints, which a robot's columns have as well: joint, q, pos ..

@@ -16,5 +16,12 @@ TEST(WordsOf, TakesNamesApart) {
   EXPECT_THAT(WordsOf(""), ElementsAre());
 }
 
+TEST(WithFingers, TakesFiveLettersForFingersAndTwoForSides) {
+  EXPECT_THAT(
+      WithFingers({"time", "T_MPJ", "I_MPJ", "M_PIJ", "R_PIJ", "L_PIJ"}),
+      ElementsAre("time", "thumb_MPJ", "index_MPJ", "middle_PIJ", "ring_PIJ", "little_PIJ"));
+  EXPECT_THAT(WithFingers({"t_s", "L_flex1", "R_flex1"}), ElementsAre("t_s", "L_flex1", "R_flex1"));
+}
+
 }  // namespace
 }  // namespace gauntlet::sim
