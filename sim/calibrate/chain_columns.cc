@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <string_view>
 
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
 #include "sim/recordings/log_map.h"
+#include "sim/recordings/name_words.h"
 #include "sim/recordings/time_columns.h"
 #include "sim/recordings/time_guess.h"
 
@@ -41,7 +43,7 @@ struct ChainName {
 };
 
 /// Words of a name: runs of letters and digits; a capital behind a small letter begins a word.
-std::vector<std::string> WordsOf(std::string_view name) {
+std::vector<std::string> RoleWordsOf(std::string_view name) {
   std::vector<std::string> words;
   bool inside = false;
   for (std::size_t i = 0; i < name.size(); ++i) {
@@ -68,7 +70,7 @@ ChainName ReadWords(const std::string& name) {
   bool command = false;
   bool angle = false;
   bool other = false;
-  const std::vector<std::string> words = WordsOf(name);
+  const std::vector<std::string> words = RoleWordsOf(name);
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string word = Small(words[i]);
     const bool before_position =
@@ -189,7 +191,7 @@ void ListIgnored(const std::vector<std::string>& names, ChainColumns& columns) {
   if (columns.is_trace) return;  // its other signals
   std::vector<bool> used(names.size(), false);
   for (const TimeMapping& time : columns.time) used[time.column] = true;
-  if (columns.episode) used[*columns.episode] = true;
+  for (const EpisodeColumn& episode : columns.episodes) used[episode.column] = true;
   for (const auto* const list : {&columns.commands, &columns.angles, &columns.motors}) {
     for (const PartColumn& column : *list) used[column.column] = true;
   }
@@ -206,7 +208,9 @@ void TakeNames(const std::vector<std::string>& names, std::vector<PartColumn>& b
     const bool is_time =
         TimeScaleS(name) ||
         std::ranges::find(columns.time, column, &TimeMapping::column) != columns.time.end();
-    if (is_time || columns.episode == column || IsSampleNumber(name)) continue;
+    const bool is_episode = std::ranges::find(columns.episodes, column, &EpisodeColumn::column) !=
+                            columns.episodes.end();
+    if (is_time || is_episode || IsSampleNumber(name)) continue;
     const ChainName read = ReadName(name);
     columns.is_trace |= name.starts_with(kWearer);
     if (read.role == ColumnRole::kOther) continue;
@@ -239,6 +243,33 @@ void TakeMap(const FoundTable& table, const std::string& map, ChainColumns& colu
   }
 }
 
+/// True for a column of texts or whole numbers that stay the same for many rows.
+bool HoldsParts(const TableLayout& layout, std::size_t column) {
+  constexpr double kOften = 0.1;  // of the rows: parts of fewer rows are no sessions
+  double changes = 0.0;
+  for (std::size_t row = 0; row < layout.rows.size(); ++row) {
+    const std::string& cell = layout.rows[row][column];
+    const double number = NumberIn(layout, cell);
+    if (number != std::floor(number) && !std::isnan(number)) return false;
+    changes += row > 0 && cell != layout.rows[row - 1][column] ? 1.0 : 0.0;
+  }
+  return changes <= kOften * static_cast<double>(layout.rows.size());
+}
+
+std::vector<EpisodeColumn> FindEpisodes(const TableLayout& layout) {
+  std::vector<EpisodeColumn> parts;
+  for (std::size_t column = 0; column < layout.names.size(); ++column) {
+    const std::string& name = layout.names[column];
+    const std::string bare_name = BareName(name);
+    if (bare_name == "episode" || bare_name == "episodeindex") return {{column}};
+    const bool is_part = NamesParts(name) && ReadName(name).role == ColumnRole::kBare;
+    if (is_part && KindOf(layout, column) != CellKind::kTime && HoldsParts(layout, column)) {
+      parts.push_back({column, KindOf(layout, column) == CellKind::kText});
+    }
+  }
+  return parts;
+}
+
 }  // namespace
 
 ChainColumns FindChainColumns(const FoundTable& table, const std::string& map) {
@@ -249,10 +280,7 @@ ChainColumns FindChainColumns(const FoundTable& table, const std::string& map) {
   if (map.empty() && !has_names) csv.Fail(1, "the first line must name the columns, or --map");
   ChainColumns columns;
   columns.time = TimeByName(table.layout);
-  for (std::size_t column = 0; column < names.size(); ++column) {
-    const std::string bare_name = BareName(names[column]);
-    if (bare_name == "episode" || bare_name == "episodeindex") columns.episode = column;
-  }
+  columns.episodes = FindEpisodes(table.layout);
   std::vector<PartColumn> bare;
   if (map.empty()) {
     TakeNames(names, bare, columns);

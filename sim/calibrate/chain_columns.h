@@ -19,10 +19,16 @@ struct PartColumn {
   double offset_deg = 0.0;
 };
 
+struct EpisodeColumn {
+  std::size_t column = 0;
+  bool is_text = false;
+};
+
 /// The columns of a log of commands and angles.
 struct ChainColumns {
   std::vector<TimeMapping> time;  // summed
-  std::optional<std::size_t> episode;
+  /// That tell episodes apart: `episode` or `episode_index` alone, else all of sessions and trials.
+  std::vector<EpisodeColumn> episodes;
   std::vector<PartColumn> commands;
   std::vector<PartColumn> angles;    // in the order of `commands`
   std::vector<PartColumn> motors;    // of parts with a motor angle, by name

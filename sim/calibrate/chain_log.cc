@@ -89,7 +89,8 @@ struct ChainRows {
   std::size_t values_missing = 0;
 };
 
-/// Number of the episode of each row: that of its column, or counted by times that begin anew.
+/// Number of the episode of each row: that of its one column, or counted by changes of several
+/// columns or by times that begin anew.
 class Episodes {
  public:
   explicit Episodes(const ChainColumns& columns) : columns_(columns) {}
@@ -97,27 +98,38 @@ class Episodes {
   /// True if the row begins another episode than the row before.
   bool Begins(std::span<const double> values, double time_s) {
     constexpr double kAnew = 0.1;  // of the time that has passed
-    const double number = columns_.episode ? values[*columns_.episode] : number_;
+    std::vector<double> parts;
+    for (const EpisodeColumn& episode : columns_.episodes) parts.push_back(values[episode.column]);
     const bool first = std::isnan(first_s_);
     const bool anew =
         !first && time_s < last_s_ && time_s - first_s_ <= kAnew * (last_s_ - first_s_);
-    const bool begins = first || number != number_ || (anew && !columns_.episode);
+    const bool begins = first || parts != parts_ || (anew && parts.empty());
     if (begins) {
       first_s_ = time_s;
-      number_ = columns_.episode || first ? number : number_ + 1.0;
+      number_ = parts.size() == 1 ? parts.front() : first ? 0.0 : number_ + 1.0;
       numbers_.push_back(number_);
     }
+    parts_ = std::move(parts);
+    rows_ += 1.0;
+    falls_ += !first && time_s < last_s_ ? 1.0 : 0.0;
     last_s_ = time_s;
     return begins;
   }
 
   double number() const { return number_; }
 
-  /// Errors: UserError for a number that does not exist.
+  /// Errors: UserError for times that fall, and a number that does not exist.
   void Check(const CsvReader& csv, std::optional<int> wanted) const {
+    constexpr double kNearlyAlways = 0.9;
+    if (falls_ > kNearlyAlways * (rows_ - 1.0)) {
+      csv.FailInRow(1, columns_.time.front().column + 1,
+                    "the time falls from row to row; sort the rows by it");
+    }
     if (!wanted || std::ranges::find(numbers_, *wanted) != numbers_.end()) return;
     const auto [least, most] = std::ranges::minmax(numbers_);
-    csv.FailInRow(1, (columns_.episode ? *columns_.episode : columns_.time.front().column) + 1,
+    const std::size_t column =
+        columns_.episodes.empty() ? columns_.time.front().column : columns_.episodes.front().column;
+    csv.FailInRow(1, column + 1,
                   numbers_.size() == 1
                       ? fmt::format("the log has one episode, {:g}: --episode {} does not exist",
                                     least, *wanted)
@@ -128,6 +140,9 @@ class Episodes {
 
  private:
   const ChainColumns& columns_;
+  std::vector<double> parts_;  // of the row before, by column
+  double rows_ = 0.0;
+  double falls_ = 0.0;  // rows whose time is before that of the row before
   double number_ = 0.0;
   double first_s_ = kNaN;
   double last_s_ = kNaN;
@@ -169,7 +184,10 @@ std::vector<ChainRows> ReadRows(const ChainColumns& columns, const std::vector<P
     used[time.column] = true;
     if (time.is_text) csv.ReadAsTime(time.column);
   }
-  if (columns.episode) used[*columns.episode] = true;
+  for (const EpisodeColumn& episode : columns.episodes) {
+    used[episode.column] = true;
+    if (episode.is_text) csv.ReadAsTexts(episode.column);
+  }
   for (const PartColumn& column : parts) used[column.column] = true;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) csv.Ignore(i);
@@ -183,7 +201,9 @@ std::vector<ChainRows> ReadRows(const ChainColumns& columns, const std::vector<P
     double time_s = 0.0;
     for (const TimeMapping& time : columns.time) time_s += values[time.column] * time.scale_s;
     if (std::isnan(time_s)) csv.Fail(time_column + 1, "the time is missing");
-    if (columns.episode) CheckEpisode(values[*columns.episode], *columns.episode, csv);
+    for (const EpisodeColumn& episode : columns.episodes) {
+      CheckEpisode(values[episode.column], episode.column, csv);
+    }
     const bool begins = episodes.Begins(values, time_s);
     if (!begins && time_s <= last_s) {
       csv.Fail(time_column + 1,
