@@ -135,6 +135,7 @@ std::string AnswerLegend(const Summary& summary) {
 /// "Causes of the squared error of raw: link 29 %, servo 25 %, friction 18 %."
 std::string CauseLine(const Summary& summary) {
   constexpr double kLeast = 0.05;
+  constexpr double kMostCancelled = 0.25;
   constexpr std::size_t kMost = 3;
   const ControllerSummary& controller = summary.controllers[summary.baseline.value_or(0)];
   const std::vector<double> parts = ErrorByCause(controller);
@@ -147,6 +148,8 @@ std::string CauseLine(const Summary& summary) {
   }
   if (!(whole > 0.0)) return "";
   std::ranges::stable_sort(causes, std::greater(), &std::pair<double, std::string_view>::first);
+  // Parts that cancel each other, as in a recording of some rows, are no shares.
+  if (causes.front().first > whole || causes.back().first < -kMostCancelled * whole) return "";
   std::string text;
   for (std::size_t i = 0; i < std::min(kMost, causes.size()); ++i) {
     if (causes[i].first < kLeast * whole) break;
