@@ -44,6 +44,7 @@ struct ColumnParts {
   double unit_m = 0.0;
   Space space = Space::kUnknown;
   bool has_openxr_word = false;
+  bool has_rokoko_word = false;
 };
 
 constexpr std::string_view kRotations =
@@ -186,7 +187,7 @@ CalledJoint JointCalled(const NameWords& words) {
   if (is_tip) return CalledJoint::kTip;
   if (HasWordOf(words, "metacarpal cmc")) return CalledJoint::kBase;
   if (HasWordOf(words, "mcp mpj knuckle proximal")) return CalledJoint::kMcp;
-  if (HasWordOf(words, "pip pij middle")) return CalledJoint::kPip;
+  if (HasWordOf(words, "pip pij middle medial")) return CalledJoint::kPip;
   if (HasWordOf(words, "ip")) return CalledJoint::kIp;
   if (HasWordOf(words, "dip dij distal")) return CalledJoint::kDip;
   return CalledJoint::kNone;
@@ -229,6 +230,7 @@ ColumnParts PartsOfColumn(const std::string& name, int quaternion_component) {
   ColumnParts parts;
   parts.unit_m = TakeUnit(words);
   parts.has_openxr_word = HasWordOf(words, "intermediate");
+  parts.has_rokoko_word = HasWordOf(words, "medial");
   TakeComponent(words, quaternion_component, parts);
   std::erase_if(words, [](const std::string& word) {
     return IsWordOf("pos position positions translation location", word);
@@ -320,10 +322,12 @@ struct FoundHand {
 struct CalledJoints {
   std::array<std::set<CalledJoint>, kDigitsOfHand> of_digit = {};
   bool has_wrist = false;
+  bool is_rokoko = false;
 
   explicit CalledJoints(const std::vector<NamedColumn>& group) {
     for (const NamedColumn& column : group) {
       has_wrist = has_wrist || column.parts.joint == CalledJoint::kWrist;
+      is_rokoko = is_rokoko || column.parts.has_rokoko_word;
       if (column.parts.digit < 0) continue;
       of_digit[static_cast<std::size_t>(column.parts.digit)].insert(column.parts.joint);
     }
@@ -335,9 +339,10 @@ std::optional<FoundHand> NamedHand(const GroupKey& key, const std::vector<NamedC
   FoundHand hand{.columns = {.hand = key.first, .skeleton = "by name"}, .stem = key.second};
   const CalledJoints called(group);
   const bool is_manus = called.IsManus();
-  const CalledJoint wrist = called.has_wrist ? CalledJoint::kWrist
-                            : is_manus       ? CalledJoint::kHand  // elsewhere it may be the palm
-                                             : CalledJoint::kNone;
+  // Elsewhere a hand may be the palm.
+  const CalledJoint wrist = called.has_wrist               ? CalledJoint::kWrist
+                            : is_manus || called.is_rokoko ? CalledJoint::kHand
+                                                           : CalledJoint::kNone;
   std::map<int, std::vector<NamedColumn>> columns_of;
   for (const NamedColumn& column : group) {
     hand.columns.all.push_back(column.column);

@@ -67,6 +67,7 @@ enum class Quaternions { kTaken, kLeft };
 /// | WebXR, ARKit       | 25, 27 | `index-finger-phalanx-intermediate_x`, `indexKnuckle_13`    |
 /// | HoloLens           | 26     | `IndexMiddleJoint_x`                                        |
 /// | Manus              | 25     | `Index_MCP` .. `Index_TIP` of five joints: MCP is the base  |
+/// | Rokoko             | 21     | `leftIndexMedial_position_x`, `leftHand_position_x`         |
 /// | names of a finger  | 21     | `thumb_mcp`, `thumb_pip`, `thumb_dip`: the base is the CMC  |
 ///
 /// A joint has 3 values, 7 (position and quaternion) or 16 (a matrix, column by column as ARKit and

@@ -178,6 +178,11 @@ std::vector<Skeleton> Skeletons() {
                  NamesFor("wrist", {"mcp", "pip", "dip", "tip"}, {"mcp", "pip", "dip", "tip"},
                           {"thumb_", "index_", "middle_", "ring_", "little_"}),
                  OrderOfMediaPipe()});
+  all.push_back({"Rokoko",
+                 NamesFor("leftHand", {"Proximal", "Medial", "Distal", "Tip"},
+                          {"Proximal", "Medial", "Distal", "Tip"},
+                          {"leftThumb", "leftIndex", "leftMiddle", "leftRing", "leftLittle"}),
+                 OrderOfMediaPipe()});
   return all;
 }
 
