@@ -112,7 +112,6 @@ bool DeviceGlove::HasEnded(std::int64_t /*tick*/) const noexcept {
 
 std::span<const std::int32_t> DeviceGlove::Step(const LiveTick& tick, HandLoop& loop) noexcept {
   most_waiting_ = std::max(most_waiting_, waiting_frames());
-  taken_ns_ = MonotonicNow_ns();
   if (has_first_) Take(first_, first_counts_, tick, loop);
   has_first_ = false;
   while (frames_.Pop(
@@ -129,7 +128,7 @@ void DeviceGlove::Take(const Head& head, std::span<const double> counts, const L
     times = {.number = head.number,
              .arrival_ns = head.arrival_ns,
              .decoded_ns = head.decoded_ns,
-             .taken_ns = taken_ns_};
+             .taken_ns = MonotonicNow_ns()};
   }
   loop.TakeGloveFrame({.number = head.number,
                        .origin_tick = loop.tick(),

@@ -59,7 +59,6 @@ class DeviceGlove final : public LiveGlove {
   std::vector<double> first_counts_;
   bool has_first_ = false;          // waits for the first tick, outside the ring
   std::vector<SampleTimes> times_;  // of the last frames, by number
-  std::int64_t taken_ns_ = 0;
   std::int64_t step_begin_ns_ = 0;
   std::int64_t logged_number_ = -1;
   GridFollower grid_;
