@@ -7,6 +7,8 @@ add_library(gauntlet_options INTERFACE)
 target_compile_features(gauntlet_options INTERFACE cxx_std_20)
 # -ffp-contract=off: the same bytes from every build and every level of optimisation.
 target_compile_options(gauntlet_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off)
+# Else Eigen asks the processor how large its caches are, and sums the terms of products in an order that depends on them.
+target_compile_definitions(gauntlet_options INTERFACE EIGEN_NO_CPUID)
 set(GAUNTLET_SANITIZER_FLAGS "")
 if(GAUNTLET_SANITIZE STREQUAL "address")
   # Fuzzers are told which branches an input takes. vptr asks the system for a pipe, which the process

@@ -148,5 +148,12 @@ TEST(Signal, AFullDiskIsOneLine) {
   }
 }
 
+/// The order of a product's sums depends on them, and with it the last bits.
+TEST(Signal, ProductsAreNotThoseOfTheProcessorsCaches) {
+  EXPECT_EQ(Eigen::l1CacheSize(), 32 << 10);
+  EXPECT_EQ(Eigen::l2CacheSize(), 256 << 10);
+  EXPECT_EQ(Eigen::l3CacheSize(), 2 << 20);
+}
+
 }  // namespace
 }  // namespace gauntlet::sim
