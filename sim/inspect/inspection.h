@@ -72,7 +72,7 @@ struct Inspection {
   double unit_high = 0.0;  // highest usual value of the sensors
   int bits = 0;            // for counts
   std::string unit_why;
-  std::string question;  // that stops the work until it is answered; empty: none
+  std::string question;                 // that stops the work until it is answered; empty: none
   Remedy remedy = Remedy::kInSentence;  // of the question
   std::vector<InspectedColumn> columns;
   std::vector<double> picture_time_s;               // of some rows

@@ -51,6 +51,7 @@ class Session {
   void SendCommand(std::span<const std::int32_t> frame) noexcept;
   void NoteQueue() noexcept;
   void WatchTiers() noexcept;
+  void KeepTargets() noexcept;
   void SwitchIfAsked() noexcept;
   void MarkIfAsked() noexcept;
   void ShowMoment(std::int64_t lateness_ns) noexcept;
@@ -178,6 +179,10 @@ void Session::BeginEnd(LiveEnd end) noexcept {
   result_.facts.end = end;
 }
 
+void Session::KeepTargets() noexcept {
+  if (shadows_.exist() && !is_ending_) log_->AddTargets(shadows_.targets_rad());
+}
+
 /// A tick that was skipped repeats the row before.
 void Session::Skip(std::int64_t ticks) noexcept {
   LiveFacts& facts = result_.facts;
@@ -185,6 +190,7 @@ void Session::Skip(std::int64_t ticks) noexcept {
   facts.longest_skip_ticks = std::max(facts.longest_skip_ticks, ticks);
   for (std::int64_t tick = 0; tick < ticks; ++tick) {
     if (IsTraced()) log_->AddTick(loop_);
+    KeepTargets();
     rest_.Skip(MayFollow());
   }
   loop_.Skip(ticks);
@@ -258,7 +264,7 @@ void Session::Tick(const PeriodicWake& wake, const PeriodicWake::Woken& woken) n
   facts.step.Add(MonotonicNow_ns() - woken_ns);
   // After the command, and with the same samples.
   shadows_.Step(loop_.taken_counts());
-  if (shadows_.exist() && !is_ending_) log_->AddTargets(loop_.tick(), shadows_.targets_rad());
+  KeepTargets();
   loop_.StepHand(frame);
   WatchTiers();
   if (!is_ending_) {

@@ -46,22 +46,11 @@ void SessionLog::Move() {
     result_.recorded_counts.insert(result_.recorded_counts.end(), counts.begin(), counts.end());
   })) {
   }
-  while (targets_.Pop([&](std::int64_t tick, std::span<const double> targets_rad) {
-    MoveTargets(static_cast<std::size_t>(tick), targets_rad);
+  while (targets_.Pop([&](int, std::span<const double> targets_rad) {
+    if (moved_targets_.size() == most_targets_) return;
+    moved_targets_.insert(moved_targets_.end(), targets_rad.begin(), targets_rad.end());
   })) {
   }
-}
-
-/// A tick without a row, because it was skipped or the ring was full, has that of the tick before.
-void SessionLog::MoveTargets(std::size_t tick, std::span<const double> targets_rad) {
-  const std::size_t before = std::min(most_targets_, tick * targets_.width());
-  if (last_targets_.empty()) last_targets_.assign(targets_rad.begin(), targets_rad.end());
-  while (moved_targets_.size() < before) {
-    moved_targets_.insert(moved_targets_.end(), last_targets_.begin(), last_targets_.end());
-  }
-  last_targets_.assign(targets_rad.begin(), targets_rad.end());
-  if (moved_targets_.size() == most_targets_) return;
-  moved_targets_.insert(moved_targets_.end(), targets_rad.begin(), targets_rad.end());
 }
 
 void SessionLog::SortTargets() {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <thread>
 #include <vector>
@@ -26,25 +25,21 @@ class SessionLog {
   void AddSample(double time_s, std::span<const double> counts) noexcept {
     samples_.Push(time_s, counts);
   }
-  /// Shape: shadows x joints. Units: rad. Ticks grow.
-  void AddTargets(std::int64_t tick, std::span<const double> targets_rad) noexcept {
-    targets_.Push(tick, targets_rad);
-  }
+  /// A row per tick. Shape: shadows x joints. Units: rad.
+  void AddTargets(std::span<const double> targets_rad) noexcept { targets_.Push(0, targets_rad); }
 
   /// After the last row.
   void End();
 
  private:
   void Move();
-  void MoveTargets(std::size_t tick, std::span<const double> targets_rad);
   void SortTargets();
 
   LiveResult& result_;
   TraceRecorder recorder_;
-  RowRing<double> samples_;        // time [s] and counts
-  RowRing<std::int64_t> targets_;  // tick; shadows x joints
+  RowRing<double> samples_;  // time [s] and counts
+  RowRing<int> targets_;     // 0; shadows x joints
   std::vector<double> moved_targets_;
-  std::vector<double> last_targets_;
   std::size_t most_targets_;
   std::jthread thread_;  // last: it ends before what it uses
 };

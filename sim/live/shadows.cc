@@ -17,7 +17,11 @@ Shadows::Shadows(const LiveSetup& setup)
 }
 
 void Shadows::Reset(std::span<const std::int32_t> motor_counts) {
-  for (controller::Controller& controller : controllers_) controller.Reset(motor_counts);
+  auto target = targets_rad_.begin();  // what a tick has that is skipped before the first one
+  for (controller::Controller& controller : controllers_) {
+    controller.Reset(motor_counts);
+    target = std::ranges::copy(controller.target_angle_rad(), target).out;
+  }
 }
 
 void Shadows::Step(std::span<const double> sample_counts) noexcept {
