@@ -15,7 +15,7 @@ constexpr std::size_t kRows = 64;
 }  // namespace
 
 CommandOutput::CommandOutput(FrameSink* sink, std::size_t motors, LiveView* view)
-    : sink_(sink), commands_(kRows, motors), clock_(view) {}
+    : commands_(kRows, motors), sink_(sink), clock_(view) {}
 
 void CommandOutput::Begin() {
   if (has_motors()) thread_ = StartThread([this] { SendAll(); });

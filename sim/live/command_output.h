@@ -44,15 +44,16 @@ class CommandOutput {
   void SendNewest(const OutputHead& head, std::span<const double> counts);
   void Wake() noexcept;
 
-  FrameSink* sink_;
   RowRing<OutputHead> commands_;
-  std::atomic<std::uint32_t> calls_ = 0;
-  std::atomic<bool> ends_ = false;
-  std::atomic<bool> is_gone_ = false;
+  FrameSink* sink_;
   // Of the thread.
   StageClock clock_;  // without motors, of the control thread
   std::int64_t replaced_ = 0;
   int good_sends_ = 0;
+  // Of both.
+  std::atomic<std::uint32_t> calls_ = 0;
+  std::atomic<bool> ends_ = false;
+  std::atomic<bool> is_gone_ = false;
   std::jthread thread_;  // last: it ends before what it uses
 };
 

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <optional>
+#include <memory>
 #include <thread>
 #include <utility>
 
@@ -63,14 +63,13 @@ class Session {
   bool MayFollow() const noexcept { return !is_ending_ && !output_.is_gone(); }
   bool IsTraced() const noexcept { return !is_ending_ && result_.facts.switch_count == 0; }
 
+  CommandOutput output_;
   const LiveSetup& setup_;
   const controller::Timing& timing_;
   LiveResult result_;
   HandLoop loop_;
   std::unique_ptr<LiveGlove> glove_;
-  CommandOutput output_;
-  std::optional<SessionLog> log_;
-  std::atomic<bool> has_started_ = false;  // the control thread, with its priority
+  std::unique_ptr<SessionLog> log_;
 
   // Of the control thread.
   Shadows shadows_;
@@ -79,6 +78,7 @@ class Session {
   std::vector<std::int32_t> sent_;
   std::vector<double> sent_values_;
   std::vector<double> hand_rad_;
+  std::atomic<bool> has_started_ = false;  // the thread, with its priority
   bool has_sent_ = false;
   bool is_ending_ = false;
   bool is_still_ = false;
@@ -92,12 +92,12 @@ class Session {
 };
 
 Session::Session(const LiveSetup& setup)
-    : setup_(setup),
+    : output_(setup.sink, setup.trial.hand->transmission().motor_names.size(), setup.view),
+      setup_(setup),
       timing_(setup.trial.hand->timing().controller),
       loop_(setup.trial.controller, setup.trial.calibration, setup.trial.joint_map,
             setup.trial.hand, setup.trial.links),
       glove_(MakeLiveGlove(setup)),
-      output_(setup.sink, setup.trial.hand->transmission().motor_names.size(), setup.view),
       shadows_(setup),
       switch_(loop_, ControllersOf(setup.shadows)),
       rest_(setup.trial.links.config, setup.trial.hand->transmission(), timing_),
@@ -255,7 +255,8 @@ void Session::Tick(const PeriodicWake& wake, const PeriodicWake::Woken& woken) n
     BeginEnd(LiveEnd::kGloveEnded);
     if (!output_.has_motors()) return;
   }
-  const LiveTick tick = {.wake = wake, .woken_ns = woken_ns, .log = is_ending_ ? nullptr : &*log_};
+  const LiveTick tick = {
+      .wake = wake, .woken_ns = woken_ns, .log = is_ending_ ? nullptr : log_.get()};
   std::span<const std::int32_t> frame = glove_->StepController(tick, loop_);
   NoteQueue();
   if (output_.has_motors()) frame = rest_.Frame(loop_.tick(), frame, MayFollow());
@@ -303,7 +304,7 @@ void Session::Control(PeriodicWake& wake) {
 void Session::RunLoop() {
   constexpr std::int64_t kSoon_ns = 2'000'000;
   result_.facts.rights.has_locked_memory = LockMemory();
-  log_.emplace(setup_, result_);
+  log_ = std::make_unique<SessionLog>(setup_, result_);
   output_.Begin();
   PeriodicWake wake(glove_->StartTime_ns(MonotonicNow_ns() + kSoon_ns), timing_.tick_rate_hz);
   std::jthread control = StartThread([this, &wake] { Control(wake); });

@@ -22,14 +22,14 @@ Eigen::Index TraceTicks(const LiveSetup& setup) {
 }  // namespace
 
 SessionLog::SessionLog(const LiveSetup& setup, LiveResult& result)
-    : result_(result),
+    : samples_(kLogRows, setup.trial.calibration.channel_names.size()),
+      targets_(kLogRows, setup.shadows.size() * setup.trial.hand->joint_names().size()),
+      result_(result),
+      most_targets_(static_cast<std::size_t>(TraceTicks(setup)) * targets_.width()),
       recorder_(result.trace, TraceTicks(setup),
                 TraceColumnNames(setup.trial.calibration.channel_names, *setup.trial.hand,
                                  setup.trial.links.config.exist()),
-                std::span<const std::string_view>(), kTraceBlocks),
-      samples_(kLogRows, setup.trial.calibration.channel_names.size()),
-      targets_(kLogRows, setup.shadows.size() * setup.trial.hand->joint_names().size()),
-      most_targets_(static_cast<std::size_t>(TraceTicks(setup)) * targets_.width()) {
+                std::span<const std::string_view>(), kTraceBlocks) {
   thread_ = StartThread([this](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       Move();

@@ -35,12 +35,12 @@ class SessionLog {
   void Move();
   void SortTargets();
 
-  LiveResult& result_;
-  TraceRecorder recorder_;
   RowRing<double> samples_;  // time [s] and counts
   RowRing<int> targets_;     // 0; shadows x joints
-  std::vector<double> moved_targets_;
+  LiveResult& result_;
   std::size_t most_targets_;
+  std::vector<double> moved_targets_;
+  TraceRecorder recorder_;
   std::jthread thread_;  // last: it ends before what it uses
 };
 
