@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <algorithm>
 #include <cstdlib>
 #include <vector>
 
+#include "controller/angle.h"
 #include "tests/link/two_motors.h"
 
 namespace gauntlet::sim {
