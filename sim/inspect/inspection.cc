@@ -6,6 +6,8 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <set>
+#include <string_view>
 
 #include "controller/number.h"
 #include "sim/base/channels.h"
@@ -40,17 +42,28 @@ CsvReader::Source BeginningOf(CsvReader::Source source, const std::shared_ptr<bo
 
 bool NamesDevices(const std::string& name) {
   return HasWordOf(WordsOf(name),
-                   "hand handedness side device sensor glove servo motor joint id subject "
-                   "participant person user track");
+                   "hand handedness side device sensor glove servo motor joint id track");
+}
+
+/// True if the first rows have few different values: a sensor that moves has more.
+bool HasFewValues(const TableLayout& layout, std::size_t column) {
+  constexpr std::size_t kFew = 16;
+  std::set<std::string_view> values;
+  for (const std::vector<std::string>& row : layout.rows) values.insert(row[column]);
+  return values.size() <= kFew;
 }
 
 /// Columns that may tell hands, devices or sessions apart: texts, and numbers by their names.
-std::vector<RowGroups> GroupsToWatch(const std::vector<InspectedColumn>& columns) {
+std::vector<RowGroups> GroupsToWatch(const Inspection& inspection) {
   std::vector<RowGroups> groups;
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    const bool is_named = NamesParts(columns[c].name) || NamesDevices(columns[c].name);
-    if (columns[c].kind == CellKind::kText || (columns[c].kind == CellKind::kNumber && is_named)) {
-      groups.emplace_back(c, columns.size());
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    const std::string& name = inspection.columns[c].name;
+    const CellKind kind = inspection.columns[c].kind;
+    const bool is_number_of_groups = kind == CellKind::kNumber &&
+                                     (NamesParts(name) || NamesDevices(name)) &&
+                                     HasFewValues(inspection.layout, c);
+    if (kind == CellKind::kText || is_number_of_groups) {
+      groups.emplace_back(c, inspection.columns.size());
     }
   }
   return groups;
@@ -597,7 +610,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
     inspection.columns[c].kind = KindOf(inspection.layout, c);
   }
   const TimeGuess time = GuessTime(inspection.layout);
-  std::vector<RowGroups> groups = GroupsToWatch(inspection.columns);
+  std::vector<RowGroups> groups = GroupsToWatch(inspection);
   const TableStatistics statistics = ReadTable(time, inspection.columns, reader, groups);
   inspection.is_whole = *is_whole;
   inspection.remarks = reader.remarks();

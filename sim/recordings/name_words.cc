@@ -85,6 +85,7 @@ std::vector<std::string> WithFingers(std::vector<std::string> names) {
   }
   return names;
 }
+
 std::string_view FingerOf(std::string_view word) { return MeaningOf(kFingers, word); }
 std::string_view JointOf(std::string_view word) { return MeaningOf(kJoints, word); }
 bool IsSpread(std::string_view word) {
