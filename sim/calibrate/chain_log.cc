@@ -93,23 +93,27 @@ struct ChainRows {
 /// columns or by times that begin anew.
 class Episodes {
  public:
-  explicit Episodes(const ChainColumns& columns) : columns_(columns) {}
+  explicit Episodes(const ChainColumns& columns)
+      : columns_(columns), parts_(columns.episodes.size(), kNaN) {}
 
   /// True if the row begins another episode than the row before.
   bool Begins(std::span<const double> values, double time_s) {
     constexpr double kAnew = 0.1;  // of the time that has passed
-    std::vector<double> parts;
-    for (const EpisodeColumn& episode : columns_.episodes) parts.push_back(values[episode.column]);
+    bool changes = false;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const double part = values[columns_.episodes[i].column];
+      changes = changes || part != parts_[i];
+      parts_[i] = part;
+    }
     const bool first = std::isnan(first_s_);
     const bool anew =
         !first && time_s < last_s_ && time_s - first_s_ <= kAnew * (last_s_ - first_s_);
-    const bool begins = first || parts != parts_ || (anew && parts.empty());
+    const bool begins = first || changes || (anew && parts_.empty());
     if (begins) {
       first_s_ = time_s;
-      number_ = parts.size() == 1 ? parts.front() : first ? 0.0 : number_ + 1.0;
+      number_ = parts_.size() == 1 ? parts_.front() : first ? 0.0 : number_ + 1.0;
       numbers_.push_back(number_);
     }
-    parts_ = std::move(parts);
     rows_ += 1.0;
     falls_ += !first && time_s < last_s_ ? 1.0 : 0.0;
     last_s_ = time_s;
@@ -140,7 +144,7 @@ class Episodes {
 
  private:
   const ChainColumns& columns_;
-  std::vector<double> parts_;  // of the row before, by column
+  std::vector<double> parts_;  // of the last row, by column
   double rows_ = 0.0;
   double falls_ = 0.0;  // rows whose time is before that of the row before
   double number_ = 0.0;

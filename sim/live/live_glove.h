@@ -57,7 +57,7 @@ class LiveGlove {
   SampleTimes sample_;
 };
 
-/// The simulated glove of `setup`, or the frames of its source. Both keep a reference to it.
+/// The simulated glove of `setup`, or the frames of its source. `setup` lives longer.
 std::unique_ptr<LiveGlove> MakeLiveGlove(const LiveSetup& setup);
 
 }  // namespace gauntlet::sim
