@@ -37,9 +37,8 @@ if(GAUNTLET_BUILD_SIM)
   target_compile_definitions(gauntlet_options INTERFACE $<$<NOT:${release_for_robots}>:GAUNTLET_ASSERTIONS>
                                                         $<$<NOT:$<CONFIG:Release>>:_GLIBCXX_ASSERTIONS>)
 endif()
-# A file is named as it is seen from the root, in what is installed.
-target_compile_options(gauntlet_options INTERFACE
-                       $<$<CONFIG:Release>:-fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=>)
+# A file is named as it is seen from the root, so that objects do not depend on where that is.
+target_compile_options(gauntlet_options INTERFACE -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=)
 option(GAUNTLET_UNITY_BUILD "Compile ten sources of a library or a test as one: a whole build takes a third less time" OFF)
 if(GAUNTLET_UNITY_BUILD)
   # Types of unnamed namespaces are in files that are included then, which is no mistake here.
