@@ -121,7 +121,20 @@ void PrintTopics(const Inspection& inspection) {
 }
 
 /// Gaps, restarts and repeats of the time.
-void PrintDefects(const TimeStatistics& time) {
+void PrintDefects(const Inspection& inspection) {
+  const std::vector<std::size_t> joints = inspection.MappedColumns();
+  double values = 0.0;
+  for (const std::size_t c : joints) {
+    values += static_cast<double>(inspection.columns[c].statistics.good_rows);
+  }
+  const auto all = static_cast<double>(joints.size() * inspection.rows);
+  constexpr double kWorthALine = 0.005;
+  if (all > 0.0 && values < (1.0 - kWorthALine) * all) {
+    Print(
+        "missing {:.0f} % of the joints' values; a joint does not count where its own is missing\n",
+        100.0 * (1.0 - values / all));
+  }
+  const TimeStatistics& time = inspection.time;
   if (time.gaps > 0) Print("gaps    {}, the longest {:.4g} s\n", time.gaps, time.longest_gap_s);
   if (time.restarts > 0) Print("time    goes back {} times\n", time.restarts);
   if (time.repeats > 0) Print("time    repeats {} times\n", time.repeats);
@@ -138,7 +151,7 @@ void PrintTime(const Inspection& inspection) {
   Print("time    {}\n", inspection.time_why);
   Print("rate    {:.5g} Hz, nine in ten rows after {:.3g} to {:.3g} ms; {:.5g} s\n", time.rate_hz,
         time.short_ms, time.long_ms, time.duration_s);
-  PrintDefects(time);
+  PrintDefects(inspection);
 }
 
 /// Format, time, unit and repairs, with reasons.
@@ -183,7 +196,7 @@ void PrintInspection(const Inspection& inspection, bool is_verbose) {
   if (!is_verbose) {
     PrintArrays(inspection);
     PrintTopics(inspection);
-    PrintDefects(inspection.time);
+    PrintDefects(inspection);
   } else {
     PrintDetails(inspection);
   }

@@ -15,6 +15,8 @@
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
 #include "sim/inspect/row_groups.h"
+#include "sim/recordings/column_map.h"
+#include "sim/recordings/column_scale.h"
 #include "sim/recordings/csv_reader.h"
 #include "sim/recordings/envelope.h"
 #include "sim/recordings/name_words.h"
@@ -157,6 +159,15 @@ void TakeRate(const TimeStatistics& time, bool is_coarse, double given_rate_hz,
   inspection.time.duration_s = rows / inspection.time.rate_hz;
 }
 
+/// The time by the map, or without one by names and values.
+TimeGuess TimeOf(const Inspection& inspection, const std::string& map) {
+  const TableLayout& layout = inspection.layout;
+  if (map.empty()) return GuessTime(layout);
+  const RecordingColumns columns = {
+      .name = inspection.file, .header = layout.names, .count = layout.columns};
+  return TimeOfMap(ReadColumnMap(map, columns).time);
+}
+
 /// Takes over the guessed time columns if their time advances from row to row.
 void TakeTime(const TimeGuess& guess, const TimeStatistics& time, double given_rate_hz,
               Inspection& inspection) {
@@ -168,6 +179,7 @@ void TakeTime(const TimeGuess& guess, const TimeStatistics& time, double given_r
                         : is_bursts ? "its rows come in bursts and are spread evenly"
                         : is_coarse ? "its clock repeats in many rows; the mean rate counts"
                                     : "its column has no two rows at different times";
+  for (const TimePart& part : guess.parts) inspection.columns.at(part.column).is_time = true;
   if (!inspection.has_time) {
     TakeRate(time, is_coarse, given_rate_hz, inspection);
     return;
@@ -195,7 +207,7 @@ std::vector<ColumnEvidence> EvidenceOf(const Inspection& inspection,
     const bool is_number = column.kind == CellKind::kNumber;
     evidence.push_back({.name = names[c],
                         .is_text = !is_number,
-                        .is_time = !column.time_unit.empty(),
+                        .is_time = column.is_time,
                         .statistics = column.statistics,
                         .values = is_number ? statistics.KeptValues(c) : std::vector<double>()});
   }
@@ -423,7 +435,7 @@ std::string ClockQuestion(const Inspection& inspection) {
     const auto has_word = [&](std::size_t i) {
       return inspection.columns[i].name.starts_with(word);
     };
-    if (!column.time_unit.empty() || !(std::abs(own_s - duration_s) > kSame * duration_s) ||
+    if (column.is_time || !(std::abs(own_s - duration_s) > kSame * duration_s) ||
         !std::ranges::all_of(inspection.MappedColumns(), has_word)) {
       continue;
     }
@@ -499,7 +511,7 @@ std::string HeaderQuestion(const Inspection& inspection) {
   constexpr double kNearlyAll = 0.95;
   const bool counts = nameless.statistics.counting_share > kNearlyAll;
   const bool is_clear = nameless.kind != CellKind::kNumber || nameless.statistics.step == 0.0 ||
-                        !nameless.time_unit.empty() || (!is_last && counts);
+                        nameless.is_time || (!is_last && counts);
   if (is_clear) return "";
   return fmt::format(
       "the header has {} names for {} columns, and the one without a name is unknown; name all",
@@ -609,7 +621,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
     inspection.columns[c].name = inspection.layout.names[c];
     inspection.columns[c].kind = KindOf(inspection.layout, c);
   }
-  const TimeGuess time = GuessTime(inspection.layout);
+  const TimeGuess time = TimeOf(inspection, options.joints.map);
   std::vector<RowGroups> groups = GroupsToWatch(inspection);
   const TableStatistics statistics = ReadTable(time, inspection.columns, reader, groups);
   inspection.is_whole = *is_whole;

@@ -26,7 +26,8 @@ struct InspectedColumn {
   std::string name;  // may be empty
   CellKind kind = CellKind::kNumber;
   ColumnStatistics statistics;  // for numbers
-  std::string time_unit;        // as in a column map; empty: not a time
+  bool is_time = false;
+  std::string time_unit;  // as in a column map; empty: no time, or one that repeats or has bursts
   Quantity quantity = Quantity::kUnknown;
   bool is_sensor = false;  // of the family that drives the joints
   bool is_dead = false;    // a sensor with one value in nearly all rows: drives no joint

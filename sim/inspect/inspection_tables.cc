@@ -21,7 +21,7 @@ std::string_view NameOf(JointBasis basis) {
 
 /// The joint, or the quantity of a column without one.
 std::string MeaningOf(const InspectedColumn& column) {
-  if (!column.time_unit.empty()) return "time, " + column.time_unit;
+  if (column.is_time) return "time, " + (column.time_unit.empty() ? "not used" : column.time_unit);
   if (column.is_dead) return "dead" + (column.channel.empty() ? "" : " (" + column.channel + ")");
   if (IsMapped(column)) {
     return column.channel + (column.basis == JointBasis::kAssumed ? " (assumed)" : "");
@@ -37,7 +37,7 @@ ResultRow RowOf(const InspectedColumn& column, std::size_t number) {
     return ResultCell({value}, std::move(text));
   };
   const ColumnStatistics& is = column.statistics;
-  const bool is_time = !column.time_unit.empty();
+  const bool is_time = column.is_time;
   ResultRow row = {ResultCell::Text(fmt::to_string(number)),
                    ResultCell::Text(OneLine(column.name, 20)),
                    ResultCell(OneLine(column.name)),

@@ -78,11 +78,13 @@ auto QualityOf(const ColumnFamily& family) {
   return std::tuple(family.facts.names_fingers, family.facts.moving > 0, RankOf(family.unit));
 }
 
-/// "columns 2, 4 to 6", from 1.
+/// "columns 2, 4 to 6", from 1; of many parts the first.
 std::string ColumnsText(std::vector<std::size_t> columns) {
   std::ranges::sort(columns);
   std::string text = columns.size() == 1 ? "column " : "columns ";
-  for (std::size_t i = 0; i < columns.size();) {
+  constexpr int kMostParts = 4;
+  for (std::size_t i = 0, part = 0; i < columns.size(); ++part) {
+    if (part == kMostParts) return text + fmt::format(" .. ({} in all)", columns.size());
     std::size_t last = i;
     while (last + 1 < columns.size() && columns[last + 1] == columns[last] + 1) ++last;
     text += fmt::format("{}{}", i > 0 ? ", " : "", columns[i] + 1);
@@ -187,7 +189,8 @@ void TakePreset(const std::vector<ColumnFamily>& families, const JointOptions& o
 /// Joints of a column map: of its rows with a channel.
 void TakeMap(const std::vector<ColumnFamily>& families, const std::vector<std::string>& names,
              const JointOptions& options, JointChoice& choice) {
-  CsvReader csv(options.map, FileSource(options.map), ProblemHandling::kAllowMissing);
+  const std::string map = FileOfMap(options.map);
+  CsvReader csv(map, FileSource(map), ProblemHandling::kAllowMissing);
   std::vector<std::string> cells;
   std::vector<ColumnJoint> joints(names.size());
   while (csv.NextRow(cells)) {
@@ -221,7 +224,10 @@ void TakeMap(const std::vector<ColumnFamily>& families, const std::vector<std::s
 /// Joints by the number of the sensors, or a question.
 void TakeByNumber(const ColumnFamily& family, JointChoice& choice) {
   const std::string_view preset = PresetFor(family.columns.size(), family.unit);
-  const bool may_be_ordered = std::ranges::all_of(family.facts.words, IsSensorWord);
+  const bool is_beyond_all =
+      family.is_assumed && family.unit == RawUnit::kCounts && family.facts.low < 0.0;
+  const bool may_be_ordered =
+      std::ranges::all_of(family.facts.words, IsSensorWord) && !is_beyond_all;
   if (preset.empty() || !may_be_ordered || !family.facts.is_even) {
     choice.question = fmt::format(
         "{}: {} [{}], {}", ColumnsText(family.columns),
@@ -251,6 +257,21 @@ ColumnFamily WithArm(const ColumnFamily& fingers, const std::vector<const Column
   return all;
 }
 
+/// Joints in degrees beside a family that is small enough for radians, and may be in either.
+const ColumnFamily* InDegreesBeside(const ColumnFamily& family,
+                                    const std::vector<const ColumnFamily*>& sensors) {
+  if (!family.is_assumed || family.unit != RawUnit::kRadians) return nullptr;
+  const auto found = std::ranges::find_if(sensors, [](const ColumnFamily* other) {
+    return other->unit == RawUnit::kDegrees &&
+           (other->facts.names_fingers || other->facts.names_arm);
+  });
+  return found == sensors.end() ? nullptr : *found;
+}
+
+bool IsRange(const std::vector<std::size_t>& columns) {
+  return columns.back() - columns.front() + 1 == columns.size();
+}
+
 /// Joints of the best family. A question if none is best.
 void TakeBest(const std::vector<const ColumnFamily*>& sensors,
               const std::vector<std::string>& names, JointChoice& choice) {
@@ -266,9 +287,15 @@ void TakeBest(const std::vector<const ColumnFamily*>& sensors,
   const ColumnFamily all = family.facts.names_fingers ? WithArm(family, sensors) : family;
   Take(all, choice);
   if (rival != sensors.end()) {
-    choice.question =
-        fmt::format("both {} and {} may be the joints; --columns FIRST-LAST says which",
-                    ColumnsText(family.columns), ColumnsText((*rival)->columns));
+    const bool is_range = IsRange(family.columns) && IsRange((*rival)->columns);
+    choice.question = fmt::format("both {} and {} may be the joints{}", ColumnsText(family.columns),
+                                  ColumnsText((*rival)->columns),
+                                  is_range ? "; --columns FIRST-LAST says which" : "");
+    return;
+  }
+  if (const ColumnFamily* in_deg = InDegreesBeside(family, sensors); in_deg != nullptr) {
+    choice.question = fmt::format("{} reads as rad and {} as deg; a map says the unit of each",
+                                  ColumnsText(family.columns), ColumnsText(in_deg->columns));
     return;
   }
   if (!family.facts.names_fingers) {
@@ -303,6 +330,20 @@ void TakeMuscles(const std::vector<ColumnFamily>& families, JointChoice& choice)
                                 muscles->columns.size() == 1 ? "activity" : "activities");
 }
 
+/// What a table without sensors of a hand has instead.
+std::string WithoutSensors(const std::vector<ColumnFamily>& families) {
+  std::size_t positions = 0;
+  for (const ColumnFamily& family : families) {
+    positions += family.quantity == Quantity::kPosition ? family.columns.size() : 0;
+  }
+  constexpr std::size_t kLeast = 9;  // of three points, the fewest that have an angle
+  if (positions < kLeast) return "no column looks like a sensor of a hand";
+  return fmt::format(
+      "{} columns are positions, not angles; points become angles if their names are a hand's: "
+      "wrist_x, index_mcp_x .. little_tip_z, or the numbers 0 to 20",
+      positions);
+}
+
 }  // namespace
 
 JointChoice ChooseJoints(const std::vector<ColumnFamily>& families,
@@ -325,7 +366,7 @@ JointChoice ChooseJoints(const std::vector<ColumnFamily>& families,
   if (!choice.question.empty()) return choice;
   if (sensors.empty()) {
     TakeMuscles(families, choice);
-    if (choice.columns.empty()) choice.question = "no column looks like a sensor of a hand";
+    if (choice.columns.empty()) choice.question = WithoutSensors(families);
     return choice;
   }
   TakeBest(sensors, names, choice);

@@ -228,6 +228,7 @@ void AddColumn(const ColumnStatistics& is, FamilyFacts& facts) {
   facts.is_whole = facts.is_whole && is.is_whole;
   facts.is_counting = facts.is_counting && IsCounting(is);
   facts.holds_runs = facts.holds_runs && HoldsRuns(is);
+  if (is.turns > 0) facts.turning_span = std::max(facts.turning_span, is.high - is.low);
   facts.turns += is.turns;
   facts.full_percent += is.low == 0.0 && is.high == 100.0 ? 1 : 0;
   const double reach = std::max(std::abs(is.usual_low), std::abs(is.usual_high));

@@ -69,6 +69,7 @@ struct FamilyFacts {
   std::size_t near_zero = 0;       // columns with both signs, or with values near zero
   std::size_t full_percent = 0;    // columns from exactly 0 to exactly 100
   std::size_t turns = 0;           // steps of about 360
+  double turning_span = 0.0;       // highest less lowest value of a column with such steps
   double clock_correlation = 0.0;  // with the time or the number of the row; 0 if it falls
   double roughness = 0.0;          // smallest noise per standard deviation
   double norm_spread = 1.0;        // of the norm of all columns, about its mean

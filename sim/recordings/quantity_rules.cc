@@ -72,7 +72,9 @@ bool AreRadians(const Facts& facts) { return facts.reach <= kTurn_rad; }
 bool AreShares(const Facts& facts) { return IsNotNegative(facts) && facts.high <= 1.05; }
 bool ArePercent(const Facts& facts) { return IsNotNegative(facts) && facts.high <= 105.0; }
 bool HitPercents(const Facts& facts) { return facts.full_percent >= 2 && ArePercent(facts); }
-bool AreTurning(const Facts& facts) { return facts.turns > 0 && facts.reach <= 400.0; }
+bool AreTurning(const Facts& facts) {
+  return facts.turns > 0 && facts.reach <= 400.0 && facts.turning_span <= 361.0;
+}
 bool AreCounts(const Facts& facts) {
   return facts.is_whole && facts.low >= 0.0 &&
          (facts.reach > 180.0 || (facts.low > 20.0 && facts.reach > 100.0));
@@ -121,8 +123,9 @@ constexpr QuantityRule kRules[] = {
     {"quaternion_axes", kOrientation, Unit::kUnknown, false, "", IsQuaternion,
      "an orientation: w, x, y, z", "quaternions of motion sensors"},
     {"orientation_by_name", kOrientation, Unit::kUnknown, false,
-     "quat quaternion quaternions orientation orient euler rpy heading azimuth attitude", Any,
-     "an orientation, by its name", "pose.orientation of ROS, Euler angles of motion sensors"},
+     "quat quaternion quaternions orientation orient euler rpy heading azimuth attitude direction "
+     "directions normal",
+     Any, "an orientation, by its name", "pose.orientation of ROS, Euler angles of motion sensors"},
     {"roll_pitch_yaw", kOrientation, Unit::kUnknown, false, "", HasTurns,
      "an orientation: roll, pitch, yaw", "angles of a motion sensor on the back of the hand"},
     {"constant_norm", kOrientation, Unit::kUnknown, false, "", HasUnitNorm,

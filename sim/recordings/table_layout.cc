@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -26,8 +27,9 @@ constexpr std::size_t kMostRows = 2000;
 struct Line {
   TextLine line;
   char separator = ',';
-  std::vector<std::string_view> cells = {};  // none: an empty line or a comment
+  std::vector<std::string_view> cells = {};  // none: a line without any entry, or a comment
   std::size_t values = 0;                    // cells with a number, a time or a missing value
+  std::size_t filled = 0;                    // those of them that are not empty
 };
 
 std::vector<Line> LinesOf(std::string_view head) {
@@ -45,8 +47,13 @@ std::vector<Line> LinesOf(std::string_view head) {
     if (trimmed.empty() || trimmed.front() == '#') continue;
     line.separator = SeparatorOf(line.line.text);
     line.cells = SplitCells(line.line.text, line.separator);
+    const auto is_empty = [](std::string_view cell) { return Unquoted(cell).empty(); };
+    if (std::ranges::all_of(line.cells, is_empty)) line.cells.clear();
     line.values = std::ranges::count_if(
         line.cells, [&](std::string_view cell) { return IsValue(cell, line.separator); });
+    line.filled = std::ranges::count_if(line.cells, [&](std::string_view cell) {
+      return !is_empty(cell) && IsValue(cell, line.separator);
+    });
   }
   return lines;
 }
@@ -60,7 +67,7 @@ std::vector<Line> LinesOf(std::string_view head) {
 std::optional<std::pair<std::size_t, char>> UsualShape(const std::vector<Line>& lines) {
   std::map<std::pair<std::size_t, char>, std::size_t> seen;
   for (const Line& line : lines) {
-    if (line.values > 0) ++seen[{line.cells.size(), line.separator}];
+    if (line.filled > 0) ++seen[{line.cells.size(), line.separator}];
   }
   const auto most = std::ranges::max_element(
       seen, {}, [](const auto& shape) { return std::pair(shape.second, shape.first.first); });
@@ -74,9 +81,9 @@ std::vector<std::string> TextsOf(const std::vector<std::string_view>& cells) {
   return texts;
 }
 
-/// First row of the table: the first line with another row directly below it (a line such as
-/// `Serial,17` has none). Else the first one with only empty lines and comments before the next
-/// row, else the last row.
+/// First of the rows that have entries in most cells: the first line with another row directly
+/// below it (a line such as `Serial,17` has none). Else the first one with only empty lines and
+/// comments before the next row, else the last row.
 std::size_t FirstRow(const std::vector<Line>& lines, const std::vector<std::size_t>& rows) {
   std::optional<std::size_t> apart;
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
@@ -86,6 +93,18 @@ std::size_t FirstRow(const std::vector<Line>& lines, const std::vector<std::size
     if (is_next && !apart) apart = rows[i];
   }
   return apart.value_or(rows.back());
+}
+
+/// The names above with each group's, which stands above its first column, above all of them; as
+/// they are if the names below tell the columns apart without groups.
+std::vector<std::string> WithGroups(std::vector<std::string> above,
+                                    const std::vector<std::string>& below) {
+  const std::set<std::string> different(below.begin(), below.end());
+  if (different.size() == below.size()) return above;
+  for (std::size_t i = 1; i < above.size(); ++i) {
+    if (above[i].empty()) above[i] = above[i - 1];
+  }
+  return above;
 }
 
 bool AreValues(const std::vector<std::string>& names, char separator) {
@@ -124,7 +143,8 @@ void FindNames(const std::vector<Line>& lines, std::size_t first_row, TableLayou
   std::size_t line = first_row;
   while (line-- > 0) {
     const bool nearest = layout.names.empty();
-    const bool is_empty = Trimmed(lines[line].line.text).empty();
+    const std::string_view text = Trimmed(lines[line].line.text);
+    const bool is_empty = lines[line].cells.empty() && !text.starts_with('#');
     if (is_empty && nearest) continue;
     if (is_empty) return;
     auto [names, is_header] = NamesIn(lines[line], nearest, layout);
@@ -139,14 +159,16 @@ void FindNames(const std::vector<Line>& lines, std::size_t first_row, TableLayou
       if (is_short) return;
       continue;
     }
+    names = WithGroups(std::move(names), layout.names);
     if (std::ranges::any_of(
             names, [](const std::string& name) { return name.empty() || IsValue(name, ','); })) {
       return;
     }
     // Names above units: both are joined, and the reader must use column numbers.
     for (std::size_t i = 0; i < names.size(); ++i) {
-      layout.names[i] = names[i] + " " + layout.names[i];
+      names[i] += (layout.names[i].empty() ? "" : " ") + layout.names[i];
     }
+    layout.names = std::move(names);
     layout.has_header = false;
     layout.skipped_lines = static_cast<int>(lines[first_row].line.number - 1);
     return;
@@ -155,30 +177,37 @@ void FindNames(const std::vector<Line>& lines, std::size_t first_row, TableLayou
 
 /// The first line for the reader, and the names in the lines above.
 TableLayout LayoutOf(const std::string& name, const std::vector<Line>& lines) {
-  const auto usual = UsualShape(lines);
-  if (!usual) FailWithoutTable(name);
+  const auto shape = UsualShape(lines);
+  if (!shape) FailWithoutTable(name);
   TableLayout layout;
-  layout.columns = usual->first;
-  layout.separator = usual->second;
+  layout.columns = shape->first;
+  layout.separator = shape->second;
   const auto fits = [&](const Line& line) {
     return line.cells.size() == layout.columns && line.separator == layout.separator;
   };
-  std::vector<std::size_t> values;
+  std::vector<std::size_t> entries;
   for (const Line& line : lines) {
-    if (fits(line)) values.push_back(line.values);
+    if (fits(line)) entries.push_back(line.filled);
   }
-  const std::size_t usual_values = controller::MedianOf(std::move(values));
+  const std::size_t usual = controller::MedianOf(std::move(entries));
   std::vector<std::size_t> rows;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::size_t in_line = lines[i].values;
-    if (fits(lines[i]) && in_line > 0 && 2 * in_line >= usual_values) rows.push_back(i);
+    const std::size_t in_line = lines[i].filled;
+    if (fits(lines[i]) && in_line > 0 && 2 * in_line >= usual) rows.push_back(i);
   }
-  const std::size_t first_row = FirstRow(lines, rows);
-  const bool is_first = std::all_of(lines.begin(), lines.begin() + first_row,
-                                    [](const Line& line) { return line.cells.empty(); });
+  std::size_t first_row = FirstRow(lines, rows);
+  // Rows in which most is missing yet. A line with a text is none.
+  while (first_row > 0 && fits(lines[first_row - 1]) &&
+         lines[first_row - 1].values == layout.columns) {
+    --first_row;
+  }
+  const bool is_first = std::all_of(lines.begin(), lines.begin() + first_row, [](const Line& line) {
+    const std::string_view text = Trimmed(line.line.text);
+    return text.empty() || text.front() == '#';
+  });
   layout.skipped_lines = is_first ? 0 : static_cast<int>(lines[first_row].line.number - 1);
   FindNames(lines, first_row, layout);
-  for (const auto& [line, separator, cells, count] : lines) {
+  for (const auto& [line, separator, cells, values, filled] : lines) {
     const bool is_before = line.number <= static_cast<std::size_t>(layout.skipped_lines);
     if (is_before && !Trimmed(line.text).empty()) layout.notes.emplace_back(Trimmed(line.text));
   }

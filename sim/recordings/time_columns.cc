@@ -71,6 +71,10 @@ std::optional<double> SecondsPerUnit(std::string_view unit) {
   return found == kMapUnits.end() ? std::nullopt : std::optional(found->scale_s);
 }
 
+std::string UnitOfSeconds(double seconds) {
+  return std::string(std::ranges::find(kMapUnits, seconds, &TimeUnit::scale_s)->names);
+}
+
 bool IsSampleNumber(std::string_view name) {
   const std::string bare = BareName(name);
   return IsWordOf(kNumbered, bare) || IsJoined(bare, kNumbered, kNumbers);

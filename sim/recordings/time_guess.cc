@@ -10,6 +10,7 @@
 
 #include "controller/number.h"
 #include "sim/recordings/name_words.h"
+#include "sim/recordings/quantities.h"
 #include "sim/recordings/table_statistics.h"
 #include "sim/recordings/time_columns.h"
 #include "sim/recordings/time_text.h"
@@ -26,11 +27,28 @@ std::vector<double> ValuesOf(const TableLayout& layout, std::size_t column) {
   return values;
 }
 
+/// True for a name of something that is no time: a finger, a joint, a sensor, a frame's number or
+/// another quantity. What such a column does in its values makes it no time.
+bool NamesOther(std::string_view name) {
+  if (IsSampleNumber(name)) return true;
+  const std::vector<std::string> words = WordsOf(name);
+  const bool is_hand = std::ranges::any_of(words, [](const std::string& word) {
+    return !FingerOf(word).empty() || !JointOf(word).empty() || !ArmPartOf(word).empty() ||
+           IsSpread(word) || IsSensorWord(word) || IsJointWord(word);
+  });
+  return is_hand || HasWordOf(words, "x y z w flexion extension flex elbow img image") ||
+         std::ranges::any_of(QuantityRules(), [&words](const QuantityRule& rule) {
+           return rule.quantity != Quantity::kTime && HasWordOf(words, rule.words);
+         });
+}
+
 struct Steps {
   double usual = 0.0;
+  double unevenness = 0.0;     // mean difference from the usual step, as its multiple
   double rising_share = 0.0;   // share of steps >= 0
   double forward_share = 0.0;  // share of steps > 0
   bool is_count = false;       // nearly all steps are 1
+  bool is_whole = true;        // no value has a fraction
 };
 
 Steps StepsOf(const std::vector<double>& values) {
@@ -44,9 +62,15 @@ Steps StepsOf(const std::vector<double>& values) {
     ones += step == 1.0 ? 1 : 0;
     if (step >= 0.0) all.push_back(step);
   }
+  steps.is_whole =
+      std::ranges::all_of(values, [](double value) { return value == std::round(value); });
   if (all.empty()) return steps;
   const double count = static_cast<double>(values.size() - 1);
   steps.usual = UsualInterval(all);
+  for (const double step : all) {
+    steps.unevenness +=
+        std::abs(step - steps.usual) / (steps.usual * static_cast<double>(all.size()));
+  }
   steps.rising_share = static_cast<double>(rising) / count;
   steps.forward_share = static_cast<double>(forward) / count;
   constexpr double kNearlyAll = 0.95;
@@ -57,6 +81,10 @@ Steps StepsOf(const std::vector<double>& values) {
 // Rates of gloves; other units of the time are a mistake.
 constexpr double kSlowest_hz = 1.0;
 constexpr double kFastest_hz = 1e4;
+
+// Names of numbers that may be a time's, too.
+constexpr std::string_view kRowNumbers = "i n id idx nr index sequence counter";
+constexpr double kSince1970_s = 5e8;  // from 1985 on
 
 bool IsRateOfGlove(double usual_step, std::string_view unit) {
   const double rate_hz = 1.0 / (usual_step * SecondsPer(std::string(unit)));
@@ -75,7 +103,7 @@ bool AreDays(double first, double usual_step) {
 std::string_view UnitByValues(double first, double usual_step) {
   if (AreDays(first, usual_step)) return "day";
   constexpr std::array<std::pair<double, std::string_view>, 4> kSince1970 = {
-      {{1e17, "ns"}, {1e14, "us"}, {1e11, "ms"}, {5e8, "s"}}};
+      {{1e17, "ns"}, {1e14, "us"}, {1e11, "ms"}, {kSince1970_s, "s"}}};
   for (const auto& [least, unit] : kSince1970) {
     if (first >= least) return unit;
   }
@@ -174,8 +202,8 @@ TimeGuess GuessOf(std::size_t column, const std::string& name, double first, dou
   const double rate_hz = 1.0 / (usual_step * SecondsPer(unit));
   TimeGuess guess = {{{column, unit}}, by_name ? "by its name" : "it rises in every row"};
   guess.is_named = by_name;
-  guess.is_assumed =
-      is_wrong || (named.empty() && (rate_hz < kUsualSlowest_hz || rate_hz > kUsualFastest_hz));
+  guess.is_assumed = is_wrong || (!by_name && first < kSince1970_s) ||
+                     (named.empty() && (rate_hz < kUsualSlowest_hz || rate_hz > kUsualFastest_hz));
   if (is_wrong) {
     guess.why += fmt::format("; {} by its values, not {} as its name says", unit, named);
   } else if (named.empty()) {
@@ -184,6 +212,20 @@ TimeGuess GuessOf(std::size_t column, const std::string& name, double first, dou
     guess.why += fmt::format("; {} by its name", unit);
   }
   return guess;
+}
+
+struct Candidate {
+  std::size_t column = 0;
+  double first = 0.0;
+  Steps steps = {};
+};
+
+/// Of two columns that rise: the one that goes back less often, or else the one that is more even.
+bool IsMoreLikeTime(const Candidate& one, const Candidate& other) {
+  if (one.steps.forward_share != other.steps.forward_share) {
+    return one.steps.forward_share > other.steps.forward_share;
+  }
+  return one.steps.unevenness < other.steps.unevenness;
 }
 
 }  // namespace
@@ -203,25 +245,41 @@ TimeGuess GuessTime(const TableLayout& layout) {
   if (!dates.empty()) best = std::move(of_dates);
   for (const bool by_name : {true, false}) {
     if (!by_name && !dates.empty()) break;
+    std::optional<Candidate> found;
     for (std::size_t column = 0; column < layout.columns; ++column) {
       const std::string& name = layout.names[column];
       if (KindOf(layout, column) != CellKind::kNumber) continue;
       const bool is_named =
           TimeScaleS(name).has_value() || (MayBeTime(name) && !IsSampleNumber(name));
-      if (is_named != by_name) continue;
+      if (is_named != by_name || (!by_name && NamesOther(name))) continue;
       const std::vector<double> values = ValuesOf(layout, column);
       const Steps steps = StepsOf(values);
       // A program may poll faster than the glove samples. Then times repeat.
       const bool rises = steps.rising_share > kNearlyAll && steps.usual > 0.0;
       if (values.size() < 3 || !rises || (!by_name && steps.forward_share < kAll)) continue;
-      if (steps.is_count && UnitByName(name).empty()) {
+      const bool numbers_rows = steps.is_whole && values.front() < kSince1970_s &&
+                                !TimeScaleS(name) && HasWordOf(WordsOf(name), kRowNumbers);
+      if ((steps.is_count && UnitByName(name).empty()) || numbers_rows) {
         if (dates.empty()) best.why = fmt::format("column {} only counts the rows", column + 1);
         continue;
       }
-      return GuessOf(column, name, values.front(), steps.usual, by_name);
+      const Candidate candidate = {column, values.front(), steps};
+      if (!found || (!by_name && IsMoreLikeTime(candidate, *found))) found = candidate;
+    }
+    if (found) {
+      return GuessOf(found->column, layout.names[found->column], found->first, found->steps.usual,
+                     by_name);
     }
   }
   return best;
+}
+
+TimeGuess TimeOfMap(const std::vector<TimeMapping>& time) {
+  TimeGuess guess = {{}, time.empty() ? "the map names none" : "by the map"};
+  for (const TimeMapping& part : time) {
+    guess.parts.push_back({part.column, part.is_text ? "date" : UnitOfSeconds(part.scale_s)});
+  }
+  return guess;
 }
 
 std::vector<TimeMapping> TimeByName(const TableLayout& layout) {

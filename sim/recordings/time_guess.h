@@ -23,6 +23,8 @@ struct TimeGuess {
 
 /// Guesses the time columns by their names and first rows.
 TimeGuess GuessTime(const TableLayout& layout);
+/// The time as a column map has it.
+TimeGuess TimeOfMap(const std::vector<TimeMapping>& time);
 /// The time of a table whose columns are known by their names: that of GuessTime(), unless it is
 /// found by its values alone or its unit is assumed. Else the first column with a name of
 /// TimeScaleS(). Empty: none.

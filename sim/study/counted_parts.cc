@@ -98,10 +98,11 @@ void CheckShares(const std::vector<double>& shares) {
   if (shares.empty() || mean >= kLeastShare) return;
   throw controller::SettingError(
       "glove.motion",
-      fmt::format("{:.0f} % of the recording counts, must be at least {:.0f} %: gaps, restarts and "
-                  "sensors at the end of their range are left out; are the times and the joints of "
-                  "the map right?",
-                  100.0 * mean, 100.0 * kLeastShare));
+      fmt::format(
+          "{:.0f} % of the recording counts, must be at least {:.0f} %: missing values, "
+          "gaps, restarts and sensors at the end of their range are left out; give the part "
+          "in which the hand was measured, or correct times and joints of the map",
+          100.0 * mean, 100.0 * kLeastShare));
 }
 
 }  // namespace

@@ -590,6 +590,61 @@ std::string TwoJoints(const std::string& header, const std::function<std::string
   return text;
 }
 
+/// Columns that rise as a time does and are none, tables with lines above that are as long as rows, and
+/// units that cannot be the same.
+void AddRising(Shapes& shapes) {
+  const auto add = [&](const char* name, std::string text, double rate_hz, Joints joints) {
+    shapes.push_back({name, std::move(text), rate_hz, "deg", std::move(joints)});
+  };
+  const auto ask = [&](const char* name, std::string text, const char* question) {
+    shapes.push_back({name, std::move(text)});
+    shapes.back().question = question;
+  };
+  const Joints two = {{"index_mcp", "index_mcp"}, {"index_pip", "index_pip"}};
+  const auto time = [](int row) { return fmt::format("{:.2f},", 0.01 * row); };
+  add("rises_frame",
+      TwoJoints(
+          "frame,index_mcp,index_pip\n", [](int row) { return fmt::format("{},", 2 * row); },
+          AngleDeg),
+      50, two);
+  add("rises_temp",
+      TwoJoints(
+          "temp,index_mcp,index_pip\n",
+          [](int row) { return fmt::format("{:.1f},", 30 + 0.1 * row); }, AngleDeg),
+      50, two);
+  Joints three = two;
+  three["middle_mcp"] = "middle_mcp";
+  add("rises_joint",
+      TwoJoints(
+          "time,middle_mcp,index_mcp,index_pip\n",
+          [](int row) { return fmt::format("{},{:.4f},", row, 0.6256 * row); }, AngleDeg),
+      50, three);
+  add("padded", TwoJoints("Subject,1,\nTrial,3,\n,,\ntime,index_pip,index_mcp\n", time, AngleDeg),
+      100, two);
+  ask("two_units",
+      TwoJoints("time,r_shoulder_elev,r_elbow_flex\n", time,
+                [](int row, int sensor) {
+                  return sensor == 1 ? 0.3 * std::sin(0.1 * row) : AngleDeg(row, sensor);
+                }),
+      "a map says the unit of each");
+  shapes.back().map_answers = true;
+  ask("below_zero",
+      TwoJoints(
+          "",
+          [&](int row) {
+            return time(row) + fmt::format("{0:.1f},{0:.1f},{0:.1f},", 9.0 * row - 500);
+          },
+          [](int row, int sensor) { return 900 * std::sin(0.1 * row + sensor); }),
+      "whose joints are unknown");
+  std::string points = "Frame#,Time,A,,,B,,,C,,\n,,X1,Y1,Z1,X2,Y2,Z2,X3,Y3,Z3\n,,,,,,,,,,\n";
+  for (int row = 0; row < kRows; ++row) {
+    points += fmt::format("{},{:.2f}", row + 1, 0.01 * row);
+    for (int i = 0; i < 9; ++i) points += "," + Table::Cell(100 * std::sin(0.1 * row + i));
+    points += "\n";
+  }
+  ask("points_trc", points, "9 columns are positions, not angles");
+}
+
 /// Rows of several hands or sessions in one table, headers that lack a name, and clocks that fall.
 void AddParts(Shapes& shapes) {
   const Joints joints = {{"index_mcp", "index_mcp"}, {"index_pip", "index_pip"}};
@@ -679,6 +734,7 @@ std::vector<GloveShape> GloveShapes() {
   AddTurnsAndSigns(shapes);
   AddNumbers(shapes);
   AddParts(shapes);
+  AddRising(shapes);
   return shapes;
 }
 
