@@ -590,8 +590,8 @@ std::string TwoJoints(const std::string& header, const std::function<std::string
   return text;
 }
 
-/// Columns that rise as a time does and are none, tables with lines above that are as long as rows, and
-/// units that cannot be the same.
+/// Columns that rise as a time does and are none, lines above a table that are as long as its rows,
+/// and units that cannot be the same.
 void AddRising(Shapes& shapes) {
   const auto add = [&](const char* name, std::string text, double rate_hz, Joints joints) {
     shapes.push_back({name, std::move(text), rate_hz, "deg", std::move(joints)});
