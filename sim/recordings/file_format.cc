@@ -98,8 +98,11 @@ bool IsJson(std::string_view head) {
   if (head[first] != '[') return false;
   const std::size_t second = head.find_first_not_of(" \t\r\n", first + 1);
   if (second == std::string_view::npos) return false;
-  const char next = head[second];  // `[Header]` of a sensor's software is text
-  return next == '{' || next == '[' || next == '-' || (next >= '0' && next <= '9');
+  if (head[second] == '{' || head[second] == '[') return true;
+  // `[Header]` of a sensor's software is text, and so is `[2026-04-27 02:16:12]` of a log.
+  const std::string_view entry =
+      head.substr(second, head.find_first_of(" \t\r\n,]", second) - second);
+  return controller::ParseNumber(entry).has_value();
 }
 
 bool IsBvh(std::string_view head) {

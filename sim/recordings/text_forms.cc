@@ -47,17 +47,26 @@ bool NextRecord(TextLines& lines, std::string& record) {
 
 // --- Labels in the cells -------------------------------------------------------------------------
 
-/// Label and value of each cell, such as `Thumb:300`; the clock before an arrow has the label
-/// `time`. None if a cell has no label.
+/// Takes the clock or date off that a program for serial ports or logs writes before its text.
+std::optional<std::string> TakeClockBefore(std::string_view& line) {
+  for (const std::string_view mark : {"->", " - ", "]", "|"}) {
+    const std::size_t end = line.find(mark);
+    if (end == std::string_view::npos) continue;
+    std::string_view clock = Trimmed(line.substr(0, end));
+    if (mark == "]" && clock.starts_with('[')) clock.remove_prefix(1);
+    if (!SecondsOfText(clock)) continue;
+    line.remove_prefix(end + mark.size());
+    return std::string(clock);
+  }
+  return std::nullopt;
+}
+
+/// Label and value of each cell, such as `Thumb:300`; the clock before them has the label `time`.
+/// None if a cell has no label.
 std::optional<std::vector<std::pair<std::string, std::string>>> LabelledCells(
     std::string_view line) {
   std::vector<std::pair<std::string, std::string>> cells;
-  if (const std::size_t arrow = line.find("->"); arrow != std::string_view::npos) {
-    const std::string_view clock = Trimmed(line.substr(0, arrow));
-    if (!SecondsOfText(clock)) return std::nullopt;
-    cells.emplace_back("time", clock);
-    line.remove_prefix(arrow + 2);
-  }
+  if (const auto clock = TakeClockBefore(line)) cells.emplace_back("time", *clock);
   std::string text(Trimmed(line));
   for (char& letter : text)
     letter = letter == ',' || letter == ';' || letter == '\t' ? ' ' : letter;

@@ -354,13 +354,16 @@ void AddWithoutHand(Shapes& shapes) {
   add(still, "none_moves", "no sensor of the hand changes");
 }
 
-/// A row as a microcontroller prints it for a plotter.
+/// Rows as a microcontroller prints them for a plotter, or a logger. `before` and `after` stand
+/// around the clock of a row; an empty `after`: there is none.
 std::string Labelled(const std::vector<std::string>& labels, const std::string& colon,
-                     const std::string& separator, bool has_clock) {
+                     const std::string& separator, const std::string& before,
+                     const std::string& after) {
   std::string text;
   for (int row = 0; row < kRows; ++row) {
     const int ms = 1000 + 25 * row;
-    if (has_clock) text += fmt::format("10:15:{:02}.{:03} -> ", ms / 1000, ms % 1000);
+    const std::string clock = fmt::format("10:15:{:02}.{:03}", ms / 1000, ms % 1000);
+    if (!after.empty()) text += before + clock + after;
     for (std::size_t i = 0; i < labels.size(); ++i) {
       text += (i > 0 ? separator : "") + labels[i] + colon +
               Table::Cell(Counts(static_cast<int>(i), 1023)(row));
@@ -373,18 +376,21 @@ std::string Labelled(const std::vector<std::string>& labels, const std::string& 
 void AddLabels(Shapes& shapes) {
   const std::vector<std::string> fingers = {"Thumb", "Index", "Middle", "Ring", "Pinky"};
   const auto add = [&shapes](const std::vector<std::string>& labels, const char* colon,
-                             const char* separator, bool has_clock) {
+                             const char* separator, const std::string& after,
+                             const char* before = "") {
     shapes.push_back({fmt::format("labels_{}", shapes.size()),
-                      Labelled(labels, colon, separator, has_clock), has_clock ? 40.0 : 0.0,
+                      Labelled(labels, colon, separator, before, after), after.empty() ? 0.0 : 40.0,
                       "counts"});
     for (std::size_t i = 0; i < 5; ++i) shapes.back().joints[labels[i]] = kFlex5[i];
   };
-  add(fingers, ":", "\t", true);
-  add(fingers, ":", ",", true);
-  add({"flex1", "flex2", "flex3", "flex4", "flex5"}, ":", " ", true);
-  add(fingers, "=", " ", false);
-  add({"A0", "A1", "A2", "A3", "A4"}, ": ", ", ", true);
-  add({"a", "b", "c", "d", "e"}, ":", " ", true);
+  add(fingers, ":", "\t", " -> ");
+  add(fingers, ":", ",", " -> ");
+  add({"flex1", "flex2", "flex3", "flex4", "flex5"}, ":", " ", " -> ");
+  add(fingers, "=", " ", "");
+  add({"A0", "A1", "A2", "A3", "A4"}, ": ", ", ", " -> ");
+  add({"a", "b", "c", "d", "e"}, ":", " ", " -> ");
+  add(fingers, ":", " , ", " - ", "2024-05-15 ");
+  add(fingers, ":", " ", "] ", "[2024-05-15 ");
 }
 
 /// As `ros2 topic echo --csv` prints JointState; `parts` of position, velocity and effort have
