@@ -120,7 +120,7 @@ void PrintTopics(const Inspection& inspection) {
   Print("\n{}", TextOf(TopicsTable(inspection.topics), StyleOf({})));
 }
 
-/// Gaps, restarts and repeats of the time.
+/// Missing values of the joints; gaps, restarts and repeats of the time.
 void PrintDefects(const Inspection& inspection) {
   const std::vector<std::size_t> joints = inspection.MappedColumns();
   double values = 0.0;

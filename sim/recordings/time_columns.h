@@ -15,7 +15,8 @@ std::optional<double> TimeScaleS(std::string_view name);
 /// Seconds per unit of time in a column map: s, ms, us, ns, min, h or day. Nothing for any other.
 std::optional<double> SecondsPerUnit(std::string_view unit);
 
-/// The unit of time of a column map that is so many seconds long.
+/// The unit of time of a column map that is so many seconds long; must be a value of
+/// SecondsPerUnit().
 std::string UnitOfSeconds(double seconds);
 
 /// Letters and digits of a name only, small ones.

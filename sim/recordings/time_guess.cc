@@ -28,7 +28,7 @@ std::vector<double> ValuesOf(const TableLayout& layout, std::size_t column) {
 }
 
 /// True for a name of something that is no time: a finger, a joint, a sensor, a frame's number or
-/// another quantity. What such a column does in its values makes it no time.
+/// another quantity. Such a column is no time even if its values rise.
 bool NamesOther(std::string_view name) {
   if (IsSampleNumber(name)) return true;
   const std::vector<std::string> words = WordsOf(name);
