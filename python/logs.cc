@@ -107,7 +107,8 @@ void BindLogs(py::module_& module) {
         return Inspect(file,
                        {.rate_hz = rate_hz,
                         .array = array,
-                        .joints = {.preset = preset, .map = map, .hand = hand},
+                        .map = map,
+                        .joints = {.preset = preset, .hand = hand},
                         .columns = columns},
                        on_progress);
       },

@@ -58,7 +58,7 @@ struct InspectOptions {
                "the columns of the sensors, as 3-25 [found]"),
         Option("--hand", &inspection.joints.hand, {.choices = {"left", "right"}},
                "the hand to take from a file with both"),
-        Option("--map", &inspection.joints.map, {.value = "MAP.csv", .offer = Offer::kFiles},
+        Option("--map", &inspection.map, {.value = "MAP.csv", .offer = Offer::kFiles},
                "a filled-in column map: its joints count, and the scenario uses it"),
         ForceOption(force),
         Option("--verbose", &verbose, {}, "print reasons and more statistics"),
@@ -151,7 +151,6 @@ void PrintTime(const Inspection& inspection) {
   Print("time    {}\n", inspection.time_why);
   Print("rate    {:.5g} Hz, nine in ten rows after {:.3g} to {:.3g} ms; {:.5g} s\n", time.rate_hz,
         time.short_ms, time.long_ms, time.duration_s);
-  PrintDefects(inspection);
 }
 
 /// Format, time, unit and repairs, with reasons.
@@ -163,6 +162,7 @@ void PrintDetails(const Inspection& inspection) {
   PrintArrays(inspection);
   PrintTopics(inspection);
   PrintTime(inspection);
+  PrintDefects(inspection);
   if (inspection.unit != RawUnit::kUnknown) {
     const std::string bits =
         inspection.bits > 0 ? fmt::format(" of {} bits", inspection.bits) : std::string();
@@ -238,7 +238,7 @@ void RunInspect(const InspectOptions& options) {
     return;
   }
   std::string map = options.map;
-  const std::string& given_map = options.inspection.joints.map;
+  const std::string& given_map = options.inspection.map;
   if (map.empty() && given_map.empty() && !options.scenario.empty()) {
     map = fs::path(options.scenario).replace_extension(".map.csv").string();
   }

@@ -70,7 +70,7 @@ std::string ScenarioOfRecording(const fs::path& recording, const std::string& ma
                                 const std::string& array, const fs::path& folder) {
   InspectionOptions options;
   options.array = array;
-  options.joints.map = map;
+  options.map = map;
   const Inspection inspection = Inspect(recording, options);
   const fs::path scenario = folder / recording.stem().concat(".yaml");
   const fs::path starter = folder / recording.stem().concat(".map.csv");

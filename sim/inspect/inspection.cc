@@ -159,13 +159,12 @@ void TakeRate(const TimeStatistics& time, bool is_coarse, double given_rate_hz,
   inspection.time.duration_s = rows / inspection.time.rate_hz;
 }
 
-/// The time by the map, or without one by names and values.
-TimeGuess TimeOf(const Inspection& inspection, const std::string& map) {
-  const TableLayout& layout = inspection.layout;
-  if (map.empty()) return GuessTime(layout);
-  const RecordingColumns columns = {
-      .name = inspection.file, .header = layout.names, .count = layout.columns};
-  return TimeOfMap(ReadColumnMap(map, columns).time);
+/// The map that is given, if one is.
+std::optional<ColumnMap> MapOf(const Inspection& inspection, const std::string& map) {
+  if (map.empty()) return std::nullopt;
+  return ReadColumnMap(map, {.name = inspection.file,
+                             .header = inspection.layout.names,
+                             .count = inspection.layout.columns});
 }
 
 /// Takes over the guessed time columns if their time advances from row to row.
@@ -556,14 +555,15 @@ void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
 }
 
 void FindJoints(const TableStatistics& statistics, const std::vector<RowGroups>& groups,
-                const InspectionOptions& options, Inspection& inspection) {
+                const InspectionOptions& options, const std::optional<ColumnMap>& map,
+                Inspection& inspection) {
   const std::vector<ColumnEvidence> evidence = EvidenceOf(inspection, statistics);
   try {
     const std::vector<ColumnFamily> families =
         options.columns ? GivenFamily(evidence, options.columns->first, options.columns->second)
                         : FindFamilies(evidence, inspection.has_time ? statistics.kept_times_s()
                                                                      : std::vector<double>());
-    TakeJoints(families, ChooseJoints(families, inspection.layout.names, options.joints),
+    TakeJoints(families, ChooseJoints(families, inspection.layout.names, options.joints, map),
                inspection);
   } catch (const UserError& error) {
     if (!error.place().empty()) throw;
@@ -572,7 +572,7 @@ void FindJoints(const TableStatistics& statistics, const std::vector<RowGroups>&
   UnwrapTurns(inspection);
   GuessSign(inspection);
   if (inspection.question.empty()) {
-    const Question stop = StopQuestion(inspection, groups, !options.joints.map.empty());
+    const Question stop = StopQuestion(inspection, groups, map.has_value());
     inspection.question = stop.sentence;
     inspection.remedy = stop.remedy;
   }
@@ -621,7 +621,8 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
     inspection.columns[c].name = inspection.layout.names[c];
     inspection.columns[c].kind = KindOf(inspection.layout, c);
   }
-  const TimeGuess time = TimeOf(inspection, options.joints.map);
+  const std::optional<ColumnMap> map = MapOf(inspection, options.map);
+  const TimeGuess time = map ? TimeOfMap(map->time) : GuessTime(inspection.layout);
   std::vector<RowGroups> groups = GroupsToWatch(inspection);
   const TableStatistics statistics = ReadTable(time, inspection.columns, reader, groups);
   inspection.is_whole = *is_whole;
@@ -636,7 +637,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
            options.rate_hz > 0.0 ? options.rate_hz : RateInNotes(inspection.layout.notes),
            inspection);
   KeepPicture(statistics, inspection);
-  FindJoints(statistics, groups, options, inspection);
+  FindJoints(statistics, groups, options, map, inspection);
   TakeEnvelopes(file, options.array, time, inspection);
   return inspection;
 }

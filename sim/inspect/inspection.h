@@ -88,6 +88,7 @@ struct Inspection {
 struct InspectionOptions {
   double rate_hz = 0.0;  // of a file without time, if known; 0: unknown
   std::string array;     // of a file with arrays, see ListArrays(), or a topic; empty: by size
+  std::string map;       // column map that names time and joints; empty: none
   JointOptions joints = {};
   // First and last column of the sensors, from 1; empty: found.
   std::optional<std::pair<std::size_t, std::size_t>> columns = std::nullopt;

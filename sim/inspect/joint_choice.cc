@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <map>
 #include <tuple>
 
-#include "controller/number.h"
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/recordings/column_map.h"
 #include "sim/recordings/csv_reader.h"
 #include "sim/recordings/name_words.h"
 
@@ -186,38 +186,25 @@ void TakePreset(const std::vector<ColumnFamily>& families, const JointOptions& o
   }
 }
 
-/// Joints of a column map: of its rows with a channel.
-void TakeMap(const std::vector<ColumnFamily>& families, const std::vector<std::string>& names,
-             const JointOptions& options, JointChoice& choice) {
-  const std::string map = FileOfMap(options.map);
-  CsvReader csv(map, FileSource(map), ProblemHandling::kAllowMissing);
-  std::vector<std::string> cells;
-  std::vector<ColumnJoint> joints(names.size());
-  while (csv.NextRow(cells)) {
-    if (cells.size() < 2) csv.Fail(1, "must have a column and a channel");
-    if (cells[1] == "ignore" || cells[1] == "time" || cells[0] == kAllOfMap) continue;
-    const auto named = std::ranges::find(names, cells[0]);
-    const auto number = controller::ParseWholeNumber(cells[0], 1, names.size());
-    if (named == names.end() && !number) csv.Fail(1, "is no column of the recording");
-    joints[named == names.end() ? *number - 1 : named - names.begin()] = {
-        cells[1], JointBasis::kMap, "by the map"};
+/// Joints of a column map.
+void TakeMap(const std::vector<ColumnFamily>& families, const ColumnMap& map, JointChoice& choice) {
+  std::map<std::size_t, int> channels;  // by column
+  for (const ColumnMapping& mapping : map.channels) channels[mapping.column] = mapping.channel;
+  const auto mapped = [&channels](const ColumnFamily& family) {
+    return std::ranges::count_if(family.columns,
+                                 [&](std::size_t c) { return channels.contains(c); });
+  };
+  const auto best = std::ranges::max_element(families, {}, mapped);
+  if (best == families.end() || mapped(*best) == 0) {
+    throw UserError("the columns of the map's channels contain no numbers");
   }
-  const ColumnFamily* best = nullptr;
-  for (const ColumnFamily& family : families) {
-    const bool has_joint = std::ranges::any_of(
-        family.columns, [&](std::size_t c) { return !joints[c].channel.empty(); });
-    if (has_joint && (best == nullptr || best->columns.size() < family.columns.size())) {
-      best = &family;
-    }
-  }
-  if (best == nullptr) csv.Fail(2, "the map names no channel");
   Take(*best, choice);
   choice.columns.clear();
   choice.joints.clear();
-  for (std::size_t c = 0; c < joints.size(); ++c) {
-    if (joints[c].channel.empty()) continue;
-    choice.columns.push_back(c);
-    choice.joints.push_back(joints[c]);
+  for (const auto& [column, channel] : channels) {
+    choice.columns.push_back(column);
+    choice.joints.push_back(
+        {std::string(KnownChannels()[channel].name), JointBasis::kMap, "by the map"});
   }
 }
 
@@ -347,10 +334,11 @@ std::string WithoutSensors(const std::vector<ColumnFamily>& families) {
 }  // namespace
 
 JointChoice ChooseJoints(const std::vector<ColumnFamily>& families,
-                         const std::vector<std::string>& names, const JointOptions& options) {
+                         const std::vector<std::string>& names, const JointOptions& options,
+                         const std::optional<ColumnMap>& map) {
   JointChoice choice;
-  if (!options.map.empty()) {
-    TakeMap(families, names, options, choice);
+  if (map) {
+    TakeMap(families, *map, choice);
     return choice;
   }
   if (!options.preset.empty()) {

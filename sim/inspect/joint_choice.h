@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim/inspect/joint_names.h"
+#include "sim/recordings/column_map.h"
 #include "sim/recordings/quantities.h"
 
 namespace gauntlet::sim {
@@ -12,7 +14,6 @@ namespace gauntlet::sim {
 /// Facts that a person gives about the joints of a file.
 struct JointOptions {
   std::string preset;  // glove with these sensors in its order; empty: by names
-  std::string map;     // column map that names the joints; empty: none
   std::string hand;    // left or right, of a file with both; empty: none given
 };
 
@@ -31,8 +32,9 @@ struct JointChoice {
 /// Chooses the best family of sensors: with names of joints before without, then angles before
 /// shares before counts and volts, then moving before still. Joints are by name, by preset, by map,
 /// or by the number of the sensors, which is an assumption.
-/// Errors: UserError for an unknown preset, a wrong map, or columns that do not fit the preset.
+/// Errors: UserError for an unknown preset, or columns that do not fit the preset or the map.
 JointChoice ChooseJoints(const std::vector<ColumnFamily>& families,
-                         const std::vector<std::string>& names, const JointOptions& options);
+                         const std::vector<std::string>& names, const JointOptions& options,
+                         const std::optional<ColumnMap>& map);
 
 }  // namespace gauntlet::sim

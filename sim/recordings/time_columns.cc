@@ -7,6 +7,8 @@
 #include <cctype>
 #include <string>
 
+#include "controller/assert.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -72,7 +74,9 @@ std::optional<double> SecondsPerUnit(std::string_view unit) {
 }
 
 std::string UnitOfSeconds(double seconds) {
-  return std::string(std::ranges::find(kMapUnits, seconds, &TimeUnit::scale_s)->names);
+  const auto found = std::ranges::find(kMapUnits, seconds, &TimeUnit::scale_s);
+  GAUNTLET_ASSERT(found != kMapUnits.end());
+  return std::string(found->names);
 }
 
 bool IsSampleNumber(std::string_view name) {
