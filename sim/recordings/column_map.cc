@@ -128,7 +128,8 @@ void AddTime(const MapFile& file, std::size_t column, std::vector<TimeMapping>& 
   }
   const std::optional<double> scale_s = SecondsPerUnit(unit);
   if (!scale_s) {
-    file.FailAt("unit", file.Quoted(unit) + " must be one of: s, ms, us, ns, min, h, day, date");
+    file.FailAt("unit",
+                file.Quoted(unit) + " must be one of: s, ms, us, ns, ticks, min, h, day, date");
   }
   time.push_back({.column = column, .scale_s = *scale_s});
 }

@@ -14,6 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/recordings/csv_reader.h"
+#include "sim/recordings/echo_file.h"
 #include "sim/recordings/source_bytes.h"
 #include "sim/recordings/time_columns.h"
 
@@ -50,7 +51,7 @@ struct FormatFacts {
   std::string_view way_out = "";
 };
 const FormatFacts& FactsOf(FileFormat format) {
-  static constexpr std::array<FormatFacts, 21> kFacts = {{
+  static constexpr std::array<FormatFacts, 22> kFacts = {{
       {FileFormat::kText, "text"},
       {FileFormat::kUtf16, "UTF-16 text"},
       {FileFormat::kBvh, "BVH"},
@@ -65,6 +66,7 @@ const FormatFacts& FactsOf(FileFormat format) {
       {FileFormat::kGzip, "gzip", "unpack it: gunzip --keep FILE"},
       {FileFormat::kZstd, "zstd", "unpack it: zstd -d FILE"},
       {FileFormat::kSqlite, "a ROS 2 bag"},
+      {FileFormat::kRosEcho, "text of rostopic echo"},
       {FileFormat::kRosBag, "a ROS 1 bag",
        "write a topic as CSV: rostopic echo -b FILE -p /TOPIC > TOPIC.csv"},
       {FileFormat::kMcap, "MCAP"},
@@ -219,6 +221,7 @@ FileFormat FormatOfBytes(std::string_view head) {
     return FileFormat::kUrdf;
   }
   if (IsBvh(head)) return FileFormat::kBvh;
+  if (IsEcho(head)) return FileFormat::kRosEcho;
   return IsJson(head) ? FileFormat::kJson : FileFormat::kText;
 }
 
@@ -235,7 +238,8 @@ std::vector<fs::path> DataSetFiles(const fs::path& folder) {
 }
 
 bool HasTopics(FileFormat format) {
-  return format == FileFormat::kMcap || format == FileFormat::kSqlite;
+  return format == FileFormat::kMcap || format == FileFormat::kSqlite ||
+         format == FileFormat::kRosEcho;
 }
 
 std::uintmax_t RecordingBytes(const fs::path& file) {

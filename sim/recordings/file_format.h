@@ -23,8 +23,9 @@ enum class FileFormat {
   kZip,
   kGzip,
   kZstd,
-  kSqlite,  // bags of ROS 2
-  kRosBag,  // of ROS 1
+  kSqlite,   // bags of ROS 2
+  kRosBag,   // of ROS 1
+  kRosEcho,  // printed messages
   kMcap,
   kParquet,
   kLfsPointer,
@@ -42,7 +43,7 @@ FileFormat FormatOfFile(const std::filesystem::path& file);
 /// and .mcap files in the order of their numbers.
 /// Errors: UserError for a listed file that is missing, and for files of several bags.
 std::vector<std::filesystem::path> DataSetFiles(const std::filesystem::path& folder);
-/// Files of messages in topics: MCAP and bags of ROS 2.
+/// Files of messages in topics: MCAP, bags of ROS 2 and printed messages.
 bool HasTopics(FileFormat format);
 /// Size of the file, or of those of a data set.
 std::uintmax_t RecordingBytes(const std::filesystem::path& file);

@@ -36,12 +36,15 @@ class MessageFile {
   const std::vector<Topic>& topics() const { return topics_; }
   /// True if the file ends before its end, as of a recorder that was killed. What is whole is read.
   bool is_cut() const { return is_cut_; }
+  /// False if only the messages themselves may have times.
+  bool has_log_times() const { return has_log_times_; }
   /// All messages of a topic, in the order of the file. Errors: UserError without a place.
   virtual void ForEachMessage(std::size_t topic, const Visit& visit) = 0;
 
  protected:
   std::vector<Topic> topics_;
   bool is_cut_ = false;
+  bool has_log_times_ = true;
 };
 
 /// Several files, one after the other, as one. Errors: UserError without a place for a topic whose

@@ -158,6 +158,10 @@ TopicFacts FactsOf(MessageFile& file, std::size_t topic, MessageRows& rows) {
     stamp_before = stamp_ns;
   });
   if (facts.has_stamps) facts.is_sorted = is_sorted_by_stamp;
+  if (!facts.has_stamps && !file.has_log_times()) {
+    throw UserError(
+        "has messages without a time in a header; rostopic echo -p and ros2 bag record keep times");
+  }
   facts.columns = rows.columns();
   if (facts.columns.empty()) {
     throw UserError(fmt::format("topic {} has no numbers", OneLine(file.topics()[topic].name, 60)));

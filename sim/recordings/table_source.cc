@@ -14,6 +14,7 @@
 #include "sim/base/helper_process.h"
 #include "sim/base/text.h"
 #include "sim/recordings/bvh_file.h"
+#include "sim/recordings/echo_file.h"
 #include "sim/recordings/file_format.h"
 #include "sim/recordings/json_arrays.h"
 #include "sim/recordings/keypoint_rows.h"
@@ -129,7 +130,9 @@ std::unique_ptr<MessageFile> MessagesOf(const fs::path& file) {
   for (const fs::path& part : parts.empty() ? std::vector{file} : parts) {
     const FileFormat format = FormatOfBytes(BytesOf(FileSource(part), kFormatBytes));
     if (!HasTopics(format)) FailInPart(part, format);
-    opened.push_back(format == FileFormat::kMcap ? OpenMcap(part) : OpenRosbag(part));
+    opened.push_back(format == FileFormat::kMcap     ? OpenMcap(part)
+                     : format == FileFormat::kSqlite ? OpenRosbag(part)
+                                                     : OpenEcho(part));
   }
   OpenNoMoreFiles();
   if (opened.size() == 1) return std::move(opened.front());

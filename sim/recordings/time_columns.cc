@@ -23,17 +23,18 @@ constexpr std::array<TimeUnit, 4> kColumnUnits = {{{"s sec secs second seconds",
                                                    {"ms msec millis millisec milliseconds", 1e-3},
                                                    {"us usec micros microsec microseconds", 1e-6},
                                                    {"ns nsec nanos nanosec nanoseconds", 1e-9}}};
-constexpr std::array<TimeUnit, 7> kMapUnits = {{{"s", 1.0},
+constexpr std::array<TimeUnit, 8> kMapUnits = {{{"s", 1.0},
                                                 {"ms", 1e-3},
                                                 {"us", 1e-6},
                                                 {"ns", 1e-9},
+                                                {"ticks", 1e-7},
                                                 {"min", 60.0},
                                                 {"h", 3600.0},
                                                 {"day", 86400.0}}};
 
 constexpr std::string_view kNumbered = "k frame sample row seq";
 constexpr std::string_view kNumbers = "number num no nr index";
-constexpr std::string_view kDoubtful = "s i n id idx nr index sequence counter";
+constexpr std::string_view kDoubtful = "s i n id idx nr index sequence counter xvalue";
 
 /// One of `names`, with one of `ends` behind it.
 bool IsJoined(std::string_view bare, std::string_view names, std::string_view ends) {
@@ -87,6 +88,7 @@ bool IsSampleNumber(std::string_view name) {
 bool MayBeTime(std::string_view name) {
   const std::string bare = BareName(name);
   const auto has = [&bare](const char* part) { return bare.find(part) != std::string::npos; };
+  if (name.find("[s]") != name.npos || name.find("(s)") != name.npos) return true;
   return IsSampleNumber(name) || IsWordOf(kDoubtful, bare) || has("time") || has("date") ||
          has("clock") || has("tick");
 }

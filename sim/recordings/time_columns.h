@@ -12,7 +12,8 @@ namespace gauntlet::sim {
 /// `Time (ms)`, `timestampUs`, `seconds`. Nothing for any other name.
 std::optional<double> TimeScaleS(std::string_view name);
 
-/// Seconds per unit of time in a column map: s, ms, us, ns, min, h or day. Nothing for any other.
+/// Seconds per unit of time in a column map: s, ms, us, ns, ticks (of 100 ns, as .NET and Windows
+/// count them), min, h or day. Nothing for any other.
 std::optional<double> SecondsPerUnit(std::string_view unit);
 
 /// The unit of time of a column map that is so many seconds long; must be a value of

@@ -181,7 +181,7 @@ TEST_F(ColumnMaps, SayWhatIsWrongInOneLine) {
   EXPECT_THAT(ErrorOf(text, "column,channel\n1,index_pip\n2,index_pip\n"),
               HasSubstr("each has a weight"));
   EXPECT_THAT(ErrorOf(text, "column,channel,unit\n1,time,years\n2,index_pip,\n"),
-              HasSubstr("must be one of: s, ms, us, ns, min, h, day, date"));
+              HasSubstr("must be one of: s, ms, us, ns, ticks, min, h, day, date"));
 }
 
 TEST_F(ColumnMaps, OfEveryPresetFitAGloveOfItsSensors) {
