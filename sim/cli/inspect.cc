@@ -135,6 +135,9 @@ void PrintDefects(const Inspection& inspection) {
         100.0 * (1.0 - values / all));
   }
   const TimeStatistics& time = inspection.time;
+  if (inspection.has_time && time.missing > 0) {
+    Print("time    missing in {} rows, which do not count\n", time.missing);
+  }
   if (time.gaps > 0) Print("gaps    {}, the longest {:.4g} s\n", time.gaps, time.longest_gap_s);
   if (time.restarts > 0) Print("time    goes back {} times\n", time.restarts);
   if (time.repeats > 0) Print("time    repeats {} times\n", time.repeats);

@@ -3,15 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <string_view>
 #include <system_error>
 
+#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
 #include "sim/base/shell_word.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/inspect/starter_files.h"
+#include "sim/recordings/csv_reader.h"
 #include "sim/recordings/file_format.h"
+#include "sim/recordings/source_bytes.h"
 #include "sim/recordings/time_columns.h"
 
 namespace gauntlet::sim {
@@ -32,12 +36,25 @@ bool AnswersByMap(const Inspection& inspection) {
 }  // namespace
 
 bool IsRecordingFile(const fs::path& file) {
-  const std::string ending = BareName(file.extension().string());
   std::error_code missing;
-  if (fs::is_directory(file, missing) && !DataSetFiles(file).empty()) return true;
-  return IsWordOf(
-      "csv tsv txt dat bvh json jsonl npy npz mat h5 hdf5 xlsx gz bag db3 mcap parquet mp4",
-      ending);
+  if (fs::is_directory(file, missing)) return !DataSetFiles(file).empty();
+  if (!fs::is_regular_file(file, missing)) return false;
+  const std::string ending = BareName(file.extension().string());
+  if (IsWordOf("yaml yml", ending)) return false;
+  if (IsWordOf("csv tsv txt dat json", ending)) return true;
+  // Others by their text: a scenario begins with a key and nothing behind it but one value.
+  constexpr std::size_t kHeadBytes = 4096;
+  const std::string head = BytesOf(FileSource(file), kHeadBytes);
+  if (FormatOfBytes(head) != FileFormat::kText) return true;
+  for (const std::string_view line : SplitLines(head)) {
+    if (Trimmed(line).empty() || line.front() == '#' || line == "---") continue;
+    const std::string_view key = line.substr(0, line.find(':'));
+    return key.size() == line.size() || line.substr(key.size() + 1).find(':') != line.npos ||
+           !std::ranges::all_of(key, [](unsigned char letter) {
+             return std::isalnum(letter) != 0 || letter == '_';
+           });
+  }
+  return true;
 }
 
 std::string SeenFrom(const fs::path& from, const fs::path& file) {

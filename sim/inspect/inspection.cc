@@ -11,6 +11,7 @@
 
 #include "controller/number.h"
 #include "sim/base/channels.h"
+#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
@@ -23,6 +24,7 @@
 #include "sim/recordings/table_source.h"
 #include "sim/recordings/time_columns.h"
 #include "sim/recordings/time_guess.h"
+#include "sim/recordings/time_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -110,7 +112,15 @@ std::vector<double> RatesIn(const std::string& note) {
   constexpr double kSlowest_hz = 1.0;
   constexpr double kFastest_hz = 1e4;
   std::vector<double> rates_hz;
-  if (!HasWordOf(WordsOf(note), "sampling sample samplerate samplingrate samples fps fs frame")) {
+  constexpr std::string_view kInterval = "Delta_X";  // of LabVIEW, in s
+  if (note.starts_with(kInterval)) {
+    const std::string_view rest = Trimmed(std::string_view(note).substr(kInterval.size()));
+    const auto interval_s = controller::ParseNumber(rest.substr(0, rest.find_first_of(" \t,;")));
+    if (interval_s && *interval_s > 0.0) rates_hz.push_back(1.0 / *interval_s);
+    return rates_hz;
+  }
+  if (!HasWordOf(WordsOf(note),
+                 "sampling sample samplerate samplingrate samples fps fs frame update")) {
     return rates_hz;
   }
   constexpr std::string_view kDigits = "0123456789";
@@ -517,6 +527,130 @@ std::string HeaderQuestion(const Inspection& inspection) {
       inspection.columns.size() - 1, inspection.columns.size());
 }
 
+/// A sentence if the header has one name too many, and it is unknown which.
+std::string LongHeaderQuestion(const Inspection& inspection) {
+  const std::string& extra = inspection.layout.extra_name;
+  const bool is_clear = extra.empty() ||
+                        HasWordOf(WordsOf(extra), "comment comments remark note notes label") ||
+                        WordsOf(extra).empty() ||
+                        std::ranges::any_of(inspection.columns, [](const InspectedColumn& column) {
+                          return column.is_time && TimeScaleS(column.name).has_value();
+                        });
+  if (is_clear) return "";
+  return fmt::format(
+      "the header has {} names for {} columns, and the one without values is unknown; name each "
+      "column once",
+      inspection.columns.size() + 1, inspection.columns.size());
+}
+
+/// A sentence if the time is missing in many rows, goes back in many, or is another than that of
+/// the lines above the table.
+std::string TimeQuestion(const Inspection& inspection) {
+  if (!inspection.has_time) return "";
+  constexpr double kMost = 0.05;
+  const auto rows = static_cast<double>(inspection.rows);
+  const double missing = static_cast<double>(inspection.time.missing) / rows;
+  const double restarts = static_cast<double>(inspection.time.restarts) / rows;
+  if (missing > kMost) {
+    return fmt::format("the time is missing in {:.0f} % of the rows; keep those that have one",
+                       100.0 * missing);
+  }
+  if (restarts > kMost) {
+    return fmt::format("the time goes back in {:.0f} % of the rows; sort them by the time",
+                       100.0 * restarts);
+  }
+  return "";
+}
+
+/// A sentence if the lines above the table say another rate than the time, whose unit is a guess.
+std::string RateQuestion(const Inspection& inspection) {
+  constexpr double kFar = 1.5;
+  const double ratio = inspection.noted_rate_hz / inspection.time.rate_hz;
+  if (!inspection.has_time || inspection.noted_rate_hz == 0.0 ||
+      (ratio < kFar && ratio > 1.0 / kFar)) {
+    return "";
+  }
+  return fmt::format(
+      "the lines above the table say {:.5g} Hz, the time {:.5g} Hz; the unit of the time is "
+      "unknown",
+      inspection.noted_rate_hz, inspection.time.rate_hz);
+}
+
+/// A sentence if rows of several tables are below each other.
+std::string TablesQuestion(const Inspection& inspection) {
+  constexpr std::size_t kMostRows = 9;  // more are no lines above a table
+  constexpr std::size_t kFewRows = 2;
+  const TableLayout& layout = inspection.layout;
+  if (layout.rows_before > kMostRows ||
+      (layout.rows_before > kFewRows && kMostRows * layout.rows_before > inspection.rows)) {
+    return fmt::format(
+        "{} rows above the table have another number of columns; write each table to a file",
+        layout.rows_before);
+  }
+  if (layout.second_names_line == 0) return "";
+  return fmt::format("line {} names the columns anew, in another way; write each table to a file",
+                     layout.second_names_line);
+}
+
+/// A sentence if many rows have another number of values than there are columns.
+std::string RowsQuestion(const Inspection& inspection) {
+  constexpr double kMost = 0.05;
+  for (const auto& [problem, words] : {std::pair(RecordingProblem::kTruncatedRow, "fewer"),
+                                       std::pair(RecordingProblem::kRowTooLong, "more")}) {
+    const auto found = inspection.problems.find(std::string(NameOf(problem)));
+    if (found == inspection.problems.end()) continue;
+    const double share = static_cast<double>(found->second) / static_cast<double>(inspection.rows);
+    if (share <= kMost) continue;
+    return fmt::format(
+        "{:.0f} % of the rows have {} than {} values; write as many in each, empty ones where "
+        "there are none",
+        100.0 * share, words, inspection.columns.size());
+  }
+  return "";
+}
+
+/// Seconds in a cell of a column of times.
+double SecondsIn(const Inspection& inspection, std::size_t column, const std::string& cell) {
+  const InspectedColumn& is = inspection.columns[column];
+  if (is.kind != CellKind::kNumber) return SecondsOfText(cell).value_or(kNaN);
+  const double scale_s = is.is_time ? SecondsPer(is.time_unit) : TimeScaleS(is.name).value_or(1.0);
+  return scale_s * NumberIn(inspection.layout, cell);
+}
+
+/// A sentence if joints stand before and behind a second clock that is not the time: each then has
+/// a clock of its own.
+std::string OwnClocksQuestion(const Inspection& inspection) {
+  const std::vector<InspectedColumn>& columns = inspection.columns;
+  const std::vector<std::size_t> joints = inspection.MappedColumns();
+  const auto time = std::ranges::find_if(columns, &InspectedColumn::is_time);
+  if (std::ranges::count_if(columns, &InspectedColumn::is_time) != 1 || joints.empty()) {
+    return "";
+  }
+  const auto time_column = static_cast<std::size_t>(time - columns.begin());
+  for (std::size_t c = joints.front() + 1; c < joints.back(); ++c) {
+    const bool is_clock = columns[c].kind == CellKind::kTime ||
+                          HasWordOf(WordsOf(columns[c].name), "time timestamp clock");
+    if (columns[c].is_time || columns[c].is_sensor || columns[c].kind == CellKind::kText ||
+        !is_clock) {
+      continue;
+    }
+    constexpr double kOften = 0.05;
+    double apart = 0.0, farthest_s = 0.0;
+    for (const std::vector<std::string>& row : inspection.layout.rows) {
+      const double away_s = std::abs(SecondsIn(inspection, c, row[c]) -
+                                     SecondsIn(inspection, time_column, row[time_column]));
+      apart += away_s * inspection.time.rate_hz > 1.0 ? 1.0 : 0.0;
+      farthest_s = std::fmax(farthest_s, away_s);
+    }
+    if (apart <= kOften * static_cast<double>(inspection.layout.rows.size())) continue;
+    return fmt::format(
+        "columns {} and {} are clocks of different joints, up to {:.3g} s apart; keep one clock "
+        "and its joints, or name the time in a map",
+        time_column + 1, c + 1, farthest_s);
+  }
+  return "";
+}
+
 /// A question if the recording cannot be played as it is understood.
 Question StopQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
                       bool has_map) {
@@ -531,8 +665,14 @@ Question StopQuestion(const Inspection& inspection, const std::vector<RowGroups>
   }
   if (inspection.MappedColumns().empty()) return {"no sensor of the hand changes its value"};
   Question question = GroupQuestion(inspection, groups, has_map);
+  if (question.sentence.empty()) question = {TablesQuestion(inspection)};
+  if (question.sentence.empty()) question = {RowsQuestion(inspection)};
+  if (question.sentence.empty()) question = {TimeQuestion(inspection)};
   if (has_map) return question;
+  if (question.sentence.empty()) question = {RateQuestion(inspection), Remedy::kMap};
   if (question.sentence.empty()) question = {HeaderQuestion(inspection)};
+  if (question.sentence.empty()) question = {LongHeaderQuestion(inspection)};
+  if (question.sentence.empty()) question = {OwnClocksQuestion(inspection), Remedy::kMap};
   if (question.sentence.empty()) question = {FallingTimeQuestion(inspection)};
   if (question.sentence.empty()) question = {TextTimeQuestion(inspection)};
   if (question.sentence.empty()) question = {ClockQuestion(inspection), Remedy::kMap};
@@ -633,9 +773,10 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
       inspection.columns[c].statistics = statistics.Column(c);
     }
   }
-  TakeTime(time, statistics.Time(),
-           options.rate_hz > 0.0 ? options.rate_hz : RateInNotes(inspection.layout.notes),
+  const double noted_rate_hz = RateInNotes(inspection.layout.notes);
+  TakeTime(time, statistics.Time(), options.rate_hz > 0.0 ? options.rate_hz : noted_rate_hz,
            inspection);
+  if (time.unit_is_guessed) inspection.noted_rate_hz = noted_rate_hz;
   KeepPicture(statistics, inspection);
   FindJoints(statistics, groups, options, map, inspection);
   TakeEnvelopes(file, options.array, time, inspection);

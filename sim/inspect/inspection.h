@@ -66,6 +66,7 @@ struct Inspection {
   bool has_time = false;
   bool rate_is_known = false;
   bool rate_is_assumed = false;  // unknown, or by the size of the times
+  double noted_rate_hz = 0.0;    // above the table, if the unit of the time is a guess; 0: none
   TimeStatistics time;           // without time columns: rate_hz as given or assumed
   RawUnit unit = RawUnit::kUnknown;
   bool unit_is_assumed = false;

@@ -139,7 +139,11 @@ std::vector<const ColumnFamily*> SensorsOf(const std::vector<ColumnFamily>& fami
     sensors.push_back(&family);
   }
   if (!has_left || !has_right) return sensors;
-  if (hand.empty()) question = "holds both hands; --hand left or --hand right takes one";
+  if (hand.empty()) {
+    question =
+        "holds both hands; gauntlet inspect --hand left or --hand right takes one, with "
+        "--write-scenario for compare";
+  }
   std::erase_if(sensors, [&hand](const ColumnFamily* family) {
     return !hand.empty() && !family->side.empty() && family->side != hand;
   });

@@ -677,10 +677,9 @@ KeypointLayout FindKeypoints(const std::vector<std::string>& names, Quaternions 
           !hands[k].columns.hand.empty()) {
         continue;
       }
-      layout.problem = fmt::format(
-          "has keypoints of several hands or kinds ({}; {}); leave out the columns of "
-          "all but one",
-          NameOfHand(hands[k]), NameOfHand(hands[i]));
+      layout.problem =
+          fmt::format("has keypoints of several hands or kinds ({}; {}); keep those of one",
+                      NameOfHand(hands[k]), NameOfHand(hands[i]));
       return layout;
     }
   }

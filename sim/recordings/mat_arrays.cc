@@ -147,12 +147,23 @@ std::vector<NamedArray> ReadMatArrays(const std::filesystem::path& file) {
   if (mat == nullptr) throw UserError("cannot be opened as a MAT file");
   OpenNoMoreFiles();
   std::vector<NamedArray> arrays;
+  bool has_objects = false;
   for (;;) {
     const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(Mat_VarReadNext(mat.get()),
                                                                   Mat_VarFree);
-    if (variable == nullptr) return arrays;
-    Collect(*variable, NameIn(*variable), arrays);
+    if (variable == nullptr) break;
+    const std::string name = NameIn(*variable);
+    // What MATLAB keeps of its objects is behind them, in a variable of bytes without a name.
+    const bool is_of_objects = name.empty() || name == "__function_workspace__";
+    has_objects = has_objects || is_of_objects || variable->class_type == MAT_C_OPAQUE;
+    if (!is_of_objects) Collect(*variable, name, arrays);
   }
+  if (arrays.empty() && has_objects) {
+    throw UserError(
+        "holds objects of MATLAB, such as a table, which only MATLAB reads; writetable(T, "
+        "'T.csv') saves a table as CSV");
+  }
+  return arrays;
 }
 
 }  // namespace gauntlet::sim

@@ -51,7 +51,12 @@ std::vector<std::string> WordsOf(std::string_view name) {
     if (std::isdigit(byte) != 0) kind = Kind::kDigit;
     const bool next_is_lower =
         i + 1 < name.size() && std::islower(static_cast<unsigned char>(name[i + 1])) != 0;
-    const bool begins = kind != before && !(before == Kind::kUpper && kind == Kind::kLower);
+    // mA and mV are units.
+    const bool is_unit =
+        before == Kind::kLower && kind == Kind::kUpper && words.back() == "m" &&
+        (i + 1 == name.size() || std::isalnum(static_cast<unsigned char>(name[i + 1])) == 0);
+    const bool begins =
+        kind != before && !(before == Kind::kUpper && kind == Kind::kLower) && !is_unit;
     const bool new_word = kind == Kind::kUpper && before == Kind::kUpper && next_is_lower;
     if (kind != Kind::kNone) {
       if (words.empty() || begins || new_word) words.emplace_back();

@@ -32,6 +32,23 @@ struct Line {
   std::size_t filled = 0;                    // those of them that are not empty
 };
 
+/// Where some lines end with a separator and others of one cell less do not, nothing is behind it.
+void DropEmptyEnds(std::vector<Line>& lines) {
+  std::set<std::size_t> widths;
+  for (const Line& line : lines) {
+    if (line.filled > 0 && !Unquoted(line.cells.back()).empty()) widths.insert(line.cells.size());
+  }
+  for (Line& line : lines) {
+    if (line.filled == 0 || line.values < line.cells.size() ||
+        !Unquoted(line.cells.back()).empty() || !widths.contains(line.cells.size() - 1) ||
+        widths.contains(line.cells.size())) {
+      continue;
+    }
+    line.cells.pop_back();
+    --line.values;
+  }
+}
+
 std::vector<Line> LinesOf(std::string_view head) {
   if (head.size() == kHeadBytes) {  // probably cut: the last line may be incomplete
     const std::size_t end = head.rfind('\n');
@@ -55,6 +72,7 @@ std::vector<Line> LinesOf(std::string_view head) {
       return !is_empty(cell) && IsValue(cell, line.separator);
     });
   }
+  DropEmptyEnds(lines);
   return lines;
 }
 
@@ -81,13 +99,24 @@ std::vector<std::string> TextsOf(const std::vector<std::string_view>& cells) {
   return texts;
 }
 
+/// True for a row of values that lacks the last one, or has a text behind it: where only some rows
+/// have a remark.
+bool IsNearlyRow(const Line& line, const TableLayout& layout) {
+  const std::size_t cells = line.cells.size();
+  const bool is_narrow = cells > 1 && cells + 1 == layout.columns && line.values == cells;
+  const bool is_wide = cells == layout.columns + 1 && line.values + 1 == cells &&
+                       !IsValue(line.cells.back(), line.separator);
+  return line.separator == layout.separator && (is_narrow || is_wide);
+}
+
 /// First of the rows that have entries in most cells: the first line with another row directly
 /// below it (a line such as `Serial,17` has none). Else the first one with only empty lines and
 /// comments before the next row, else the last row.
-std::size_t FirstRow(const std::vector<Line>& lines, const std::vector<std::size_t>& rows) {
+std::size_t FirstRow(const std::vector<Line>& lines, const std::vector<std::size_t>& rows,
+                     const TableLayout& layout) {
   std::optional<std::size_t> apart;
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
-    if (rows[i] + 1 == rows[i + 1]) return rows[i];
+    if (rows[i] + 1 == rows[i + 1] || IsNearlyRow(lines[rows[i] + 1], layout)) return rows[i];
     const bool is_next = std::all_of(lines.begin() + rows[i] + 1, lines.begin() + rows[i + 1],
                                      [](const Line& line) { return line.cells.empty(); });
     if (is_next && !apart) apart = rows[i];
@@ -118,18 +147,20 @@ struct NamesAbove {
   bool is_header = false;
 };
 
-/// Empty if the line has another number of cells than the table. One name may be missing in the
-/// `nearest` line.
+/// Empty if the line has another number of cells than the table. The `nearest` line may have one
+/// name too few or too many.
 NamesAbove NamesIn(const Line& line, bool nearest, const TableLayout& layout) {
   std::string_view text = Trimmed(line.line.text);
   const bool is_comment = text.front() == '#';
   if (is_comment) text.remove_prefix(1);
   const auto fits = [&](std::size_t names) {
-    return names == layout.columns || (names + 1 == layout.columns && nearest && !is_comment);
+    if (is_comment || !nearest) return names == layout.columns;
+    return names + 1 >= layout.columns && names <= layout.columns + 1;
   };
   // Cut as the reader does it, or else only to find the names.
   NamesAbove above;
-  above.is_header = !is_comment && line.separator == layout.separator && fits(line.cells.size());
+  above.is_header = !is_comment && line.separator == layout.separator &&
+                    line.cells.size() <= layout.columns && fits(line.cells.size());
   above.names = TextsOf(above.is_header ? line.cells : SplitCells(Trimmed(text), layout.separator));
   if (is_comment && above.names.size() != layout.columns) {
     above.names = TextsOf(SplitCells(Trimmed(text), SeparatorOf(text)));
@@ -138,8 +169,40 @@ NamesAbove NamesIn(const Line& line, bool nearest, const TableLayout& layout) {
   return above;
 }
 
+/// True for a line inside the table that names columns, and not in the same way: with half of the
+/// names or more, or behind an empty line.
+bool NamesAgain(const Line& line, bool is_behind_empty, const std::vector<std::string>& names) {
+  if (line.values > 0) return false;
+  const std::vector<std::string> texts = TextsOf(line.cells);
+  const std::set<std::string> different(texts.begin(), texts.end());
+  const auto known = std::ranges::count_if(different, [&names](const std::string& text) {
+    return !text.empty() && std::ranges::find(names, text) != names.end();
+  });
+  return different.size() == texts.size() && texts != names &&
+         (is_behind_empty || (known > 0 && 2 * known >= std::ssize(names)));
+}
+
+/// Errors: UserError for names above about twice as many whole numbers between commas.
+void CheckDecimalCommas(const std::string& name, const Line& names, const Line& row) {
+  const std::size_t count = names.cells.size();
+  const bool are_whole = std::ranges::all_of(row.cells, [](std::string_view cell) {
+    return controller::ParseWholeNumber(cell, INT64_MIN / 2, INT64_MAX / 2).has_value();
+  });
+  if (names.values > 0 || count < 2 || names.separator != ',' || row.separator != ',' ||
+      row.cells.size() <= count + 1 || row.cells.size() > 2 * count || !are_whole) {
+    return;
+  }
+  throw UserError(
+      {.place = name,
+       .problem = fmt::format(
+           "has {} names above {} values; are there decimal commas between commas? Write decimal "
+           "points, or semicolons between the columns",
+           count, row.cells.size())});
+}
+
 /// Finds the column names in the lines above the first row, beginning with the nearest.
-void FindNames(const std::vector<Line>& lines, std::size_t first_row, TableLayout& layout) {
+void FindNames(const std::string& file, const std::vector<Line>& lines, std::size_t first_row,
+               TableLayout& layout) {
   std::size_t line = first_row;
   while (line-- > 0) {
     const bool nearest = layout.names.empty();
@@ -147,11 +210,23 @@ void FindNames(const std::vector<Line>& lines, std::size_t first_row, TableLayou
     const bool is_empty = lines[line].cells.empty() && !text.starts_with('#');
     if (is_empty && nearest) continue;
     if (is_empty) return;
+    if (nearest) CheckDecimalCommas(file, lines[line], lines[first_row]);
     auto [names, is_header] = NamesIn(lines[line], nearest, layout);
     if (names.empty() || AreValues(names, layout.separator)) return;
     if (nearest) {
       layout.has_header = is_header;
       if (is_header) layout.skipped_lines = static_cast<int>(lines[line].line.number - 1);
+      if (names.size() > layout.columns) {
+        layout.extra_name = names.back().empty() ? "''" : names.back();
+        // The reader counts the columns of its first line.
+        const auto begin =
+            std::find_if(lines.begin() + static_cast<std::ptrdiff_t>(first_row), lines.end(),
+                         [&layout](const Line& row) { return row.cells.size() == layout.columns; });
+        layout.skipped_lines = static_cast<int>(begin->line.number - 1);
+        names.pop_back();
+        layout.names = std::move(names);
+        return;
+      }
       const bool is_short = names.size() < layout.columns;
       const bool time_is_first = TimeScaleS(names.front()).has_value();
       if (is_short) names.insert(time_is_first ? names.end() : names.begin(), "");
@@ -195,21 +270,39 @@ TableLayout LayoutOf(const std::string& name, const std::vector<Line>& lines) {
     const std::size_t in_line = lines[i].filled;
     if (fits(lines[i]) && in_line > 0 && 2 * in_line >= usual) rows.push_back(i);
   }
-  std::size_t first_row = FirstRow(lines, rows);
+  std::size_t first_row = FirstRow(lines, rows, layout);
   // Rows in which most is missing yet. A line with a text is none.
-  while (first_row > 0 && fits(lines[first_row - 1]) &&
-         lines[first_row - 1].values == layout.columns) {
-    --first_row;
+  const auto is_row = [&](const Line& line) { return fits(line) && line.values == layout.columns; };
+  while (first_row > 0 && is_row(lines[first_row - 1])) --first_row;
+  // Up to the line of names, as many or one more for remarks.
+  std::size_t below_names = first_row;
+  while (below_names > 0 &&
+         (is_row(lines[below_names - 1]) || IsNearlyRow(lines[below_names - 1], layout))) {
+    --below_names;
+  }
+  if (below_names > 0 && lines[below_names - 1].values == 0 &&
+      (fits(lines[below_names - 1]) || lines[below_names - 1].cells.size() == layout.columns + 1)) {
+    first_row = below_names;
+  }
+  for (std::size_t i = 0; i < first_row; ++i) {
+    const bool is_other = lines[i].filled > 1 && lines[i].values == lines[i].cells.size();
+    layout.rows_before += is_other ? 1 : 0;
   }
   const bool is_first = std::all_of(lines.begin(), lines.begin() + first_row, [](const Line& line) {
     const std::string_view text = Trimmed(line.line.text);
     return text.empty() || text.front() == '#';
   });
   layout.skipped_lines = is_first ? 0 : static_cast<int>(lines[first_row].line.number - 1);
-  FindNames(lines, first_row, layout);
-  for (const auto& [line, separator, cells, values, filled] : lines) {
-    const bool is_before = line.number <= static_cast<std::size_t>(layout.skipped_lines);
-    if (is_before && !Trimmed(line.text).empty()) layout.notes.emplace_back(Trimmed(line.text));
+  FindNames(name, lines, first_row, layout);
+  for (std::size_t i = first_row + 1; i < lines.size() && layout.second_names_line == 0; ++i) {
+    if (fits(lines[i]) && NamesAgain(lines[i], lines[i - 1].cells.empty(), layout.names)) {
+      layout.second_names_line = lines[i].line.number;
+    }
+  }
+  for (std::size_t i = 0; i < first_row; ++i) {
+    const std::string_view text = Trimmed(lines[i].line.text);
+    const bool is_skipped = lines[i].line.number <= static_cast<std::size_t>(layout.skipped_lines);
+    if (!text.empty() && (is_skipped || text.front() == '#')) layout.notes.emplace_back(text);
   }
   return layout;
 }

@@ -15,8 +15,11 @@ struct TableLayout {
   int skipped_lines = 0;    // lines before the reader's first line
   bool has_header = false;  // the reader's first line contains the names
   std::size_t columns = 0;
-  std::vector<std::string> names;              // of columns, also from skipped lines
-  std::vector<std::string> notes;              // lines before the table
+  std::vector<std::string> names;     // of columns, also from skipped lines
+  std::size_t rows_before = 0;        // rows of other tables, with another number of columns
+  std::size_t second_names_line = 0;  // in the table, with names in another order; 0: none
+  std::string extra_name = {};        // the last of one name more than columns; empty: as many
+  std::vector<std::string> notes;     // lines before the table
   std::vector<std::vector<std::string>> rows;  // the first rows as text
 };
 

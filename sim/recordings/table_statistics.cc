@@ -152,7 +152,11 @@ void TableStatistics::Keep(std::span<const double> values) {
 
 void TableStatistics::Add(double time_s, std::span<const double> values) {
   if (values.size() != columns_.size()) throw std::logic_error("a row of another table");
-  if (std::abs(time_s) <= kLatest_s) AddTime(time_s);
+  if (std::abs(time_s) <= kLatest_s) {
+    AddTime(time_s);
+  } else {
+    ++time_.missing;
+  }
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     Watch& watch = columns_[c];
     curvatures_[c] = controller::kNaN;

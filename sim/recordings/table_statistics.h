@@ -32,8 +32,9 @@ struct ColumnStatistics {
 struct TimeStatistics {
   double duration_s = 0.0;  // without jumps between two starts of the clock
   double rate_hz = 0.0;
-  double short_ms = 0.0;  // 5 % quantile of the intervals
-  double long_ms = 0.0;   // 95 % quantile
+  double short_ms = 0.0;    // 5 % quantile of the intervals
+  double long_ms = 0.0;     // 95 % quantile
+  std::size_t missing = 0;  // rows without a time
   std::size_t repeats = 0;
   std::size_t restarts = 0;  // of the clock, or rows out of order
   std::size_t gaps = 0;      // intervals of more than five usual ones

@@ -98,10 +98,19 @@ bool AreDays(double first, double usual_step) {
   return (is_datenum || is_serial) && IsRateOfGlove(usual_step, "day");
 }
 
+/// Steps of 100 ns since the year 1 (.NET) or 1601 (Windows), of dates from 2000 on. As nanoseconds
+/// they would be of before 1992.
+bool AreTicks(double first) {
+  const bool is_net = first > 6.3e17 && first < 6.9e17;
+  const bool is_windows = first > 1.25e17 && first < 1.6e17;
+  return is_net || is_windows;
+}
+
 /// Unit by the size of the numbers if they count from a known date, else by the sampling rates of
 /// gloves.
 std::string_view UnitByValues(double first, double usual_step) {
   if (AreDays(first, usual_step)) return "day";
+  if (AreTicks(first)) return "ticks";
   constexpr std::array<std::pair<double, std::string_view>, 4> kSince1970 = {
       {{1e17, "ns"}, {1e14, "us"}, {1e11, "ms"}, {kSince1970_s, "s"}}};
   for (const auto& [least, unit] : kSince1970) {
@@ -167,8 +176,10 @@ bool Advance(const std::vector<TimePart>& parts, const TableLayout& layout) {
   std::vector<double> times;
   for (const auto& row : layout.rows) {
     double sum_s = 0.0;
-    for (const TimePart& part : parts)
-      sum_s += SecondsOfText(row[part.column]).value_or(controller::kNaN);
+    for (const auto& [column, unit] : parts) {
+      sum_s += unit == "date" ? SecondsOfText(row[column]).value_or(controller::kNaN)
+                              : SecondsPer(unit) * NumberIn(layout, row[column]);
+    }
     times.push_back(sum_s);
   }
   return StepsOf(times).forward_share > kNearlyAll;
@@ -189,6 +200,20 @@ std::vector<TimePart> DateParts(const TableLayout& layout) {
   return parts;
 }
 
+/// Whole seconds in dates or clocks, and a column with their milliseconds; without both nothing.
+std::vector<TimePart> WithMilliseconds(std::vector<TimePart> dates, const TableLayout& layout) {
+  for (std::size_t column = 0; column < layout.columns && !dates.empty(); ++column) {
+    if (KindOf(layout, column) != CellKind::kNumber || UnitByName(layout.names[column]) != "ms") {
+      continue;
+    }
+    const std::vector<double> values = ValuesOf(layout, column);
+    if (!std::ranges::all_of(values, [](double ms) { return ms >= 0.0 && ms < 1000.0; })) continue;
+    dates.push_back({column, "ms"});
+    return dates;
+  }
+  return {};
+}
+
 /// The time is this column: its unit is that of its name, unless no glove has that rate.
 TimeGuess GuessOf(std::size_t column, const std::string& name, double first, double usual_step,
                   bool by_name) {
@@ -202,8 +227,15 @@ TimeGuess GuessOf(std::size_t column, const std::string& name, double first, dou
   const double rate_hz = 1.0 / (usual_step * SecondsPer(unit));
   TimeGuess guess = {{{column, unit}}, by_name ? "by its name" : "it rises in every row"};
   guess.is_named = by_name;
-  guess.is_assumed = is_wrong || (!by_name && first < kSince1970_s) ||
-                     (named.empty() && (rate_hz < kUsualSlowest_hz || rate_hz > kUsualFastest_hz));
+  guess.unit_is_guessed = named.empty() && first < kSince1970_s;
+  // Steps of 1000 are as well milliseconds of a slow log as microseconds of a fast one.
+  constexpr double kCoarser = 1e3;
+  constexpr double kSlowestLog_s = 2.0;
+  const bool may_be_slow =
+      unit != "s" && unit != "day" && first < kSince1970_s && kCoarser / rate_hz <= kSlowestLog_s;
+  guess.is_assumed =
+      is_wrong || (!by_name && first < kSince1970_s) ||
+      (named.empty() && (rate_hz < kUsualSlowest_hz || rate_hz > kUsualFastest_hz || may_be_slow));
   if (is_wrong) {
     guess.why += fmt::format("; {} by its values, not {} as its name says", unit, named);
   } else if (named.empty()) {
@@ -236,6 +268,9 @@ TimeGuess GuessTime(const TableLayout& layout) {
   const auto dates = DateParts(layout);
   TimeGuess of_dates = {dates, dates.size() > 1 ? "date and clock" : "dates or clocks"};
   if (!dates.empty() && Advance(dates, layout)) return of_dates;
+  if (const auto parts = WithMilliseconds(dates, layout); Advance(parts, layout)) {
+    return {parts, "dates or clocks, and their milliseconds"};
+  }
   if (const auto parts = NamedParts(layout); parts.size() > 1) {
     return {parts, "by the names of its parts, which add up"};
   }

@@ -17,8 +17,9 @@ struct TimePart {
 struct TimeGuess {
   std::vector<TimePart> parts;  // empty: no time columns
   std::string why;
-  bool is_assumed = false;  // the unit is a guess against the name, or by an unusual rate
-  bool is_named = true;     // false: found by its values alone
+  bool is_assumed = false;       // the unit is a guess against the name, or by an unusual rate
+  bool is_named = true;          // false: found by its values alone
+  bool unit_is_guessed = false;  // by the size of its steps
 };
 
 /// Guesses the time columns by their names and first rows.

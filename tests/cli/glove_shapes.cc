@@ -436,6 +436,55 @@ void AddJointStates(Shapes& shapes) {
   shapes.back().options = {"--hand", "right"};
 }
 
+/// A time in steps of 10 ms and two joints; `cell` gives what stands between them in a row.
+std::string TwoJoints(const std::string& header, const std::function<std::string(int row)>& cell,
+                      const std::function<double(int row, int sensor)>& angle_deg) {
+  std::string text = header;
+  for (int row = 0; row < kRows; ++row) {
+    text += fmt::format("{}{:.3f},{:.3f}\n", cell(row), angle_deg(row, 1), angle_deg(row, 2));
+  }
+  return text;
+}
+
+/// Messages as rostopic echo and ros2 topic echo print them.
+void AddEchoes(Shapes& shapes, const Joints& joints) {
+  std::string ros1, ros2, no_time;
+  for (int row = 0; row < kRows; ++row) {
+    std::array<double, 3> value = {};
+    for (int i = 0; i < 3; ++i) value[i] = Radians(i)(row);
+    const int s = 1500000000 + row / 50;
+    const int ns = 20000000 * (row % 50);
+    ros1 += fmt::format(
+        "header: \n  seq: {}\n  stamp: \n    secs: {}\n    nsecs: {}\n  frame_id: ''\n"
+        "name: [index_mcp, index_pip, thumb_ip]\nposition: [{}, {}, {}]\nvelocity: []\n"
+        "effort: []\n---\n",
+        row, s, ns, value[0], value[1], value[2]);
+    ros2 += fmt::format(
+        "header:\r\n  stamp:\r\n    sec: {}\r\n    nanosec: {}\r\n  frame_id: ''\r\nname:\r\n"
+        "- index_mcp\r\n- index_pip\r\n- thumb_ip\r\nposition:\r\n- {}\r\n- {}\r\n- {}\r\n"
+        "velocity: []\r\neffort:\r\n- .nan\r\n- .nan\r\n- .nan\r\n---\r\n",
+        s, ns, value[0], value[1], value[2]);
+    no_time += fmt::format("layout:\n  dim: []\n  data_offset: 0\ndata:\n- {}\n- {}\n---\n",
+                           value[0], value[1]);
+  }
+  shapes.push_back({"echo_ros1", ros1, 50, "rad", joints});
+  shapes.push_back({"echo_ros2", ros2, 50, "rad", joints});
+  shapes.push_back({"echo_cut", ros1 + "header: \n  seq: 1", 50, "rad", joints});
+  shapes.push_back({"echo_no_time", no_time});
+  shapes.back().question = "messages without a time in a header";
+  const auto list = ros2.find("- thumb_ip");
+  shapes.push_back({"echo_shortened", ros2.replace(list, 10, "- '...'   ")});
+  shapes.back().question = "shortened lists";
+  // Lines above a table that look like the keys of a message.
+  shapes.push_back({"echo_none",
+                    TwoJoints(
+                        "subject: 7\n---\ntime,index_mcp,index_pip\n",
+                        [](int row) { return fmt::format("{:.2f},", 0.01 * row); }, AngleDeg),
+                    100,
+                    "deg",
+                    {{"index_mcp", "index_mcp"}, {"index_pip", "index_pip"}}});
+}
+
 /// Files of other tools: rostopic echo -p, opengloves, an Arduino's plotter, names above units,
 /// rows in bursts, a clock per hand, a date beside a clock in ms, a servo whose command is held.
 void AddOtherTools(Shapes& shapes) {
@@ -453,6 +502,7 @@ void AddOtherTools(Shapes& shapes) {
   }
   shapes.push_back({"tool_rostopic", text, 50, "rad", {}});
   for (const std::string& joint : joints) shapes.back().joints[joint + "_rad"] = joint;
+  AddEchoes(shapes, shapes.back().joints);
   text.clear();
   for (int row = 0; row < kRows; ++row) {
     for (int i = 0; i < 5; ++i) text += fmt::format("{}{}", "ABCDE"[i], counts(i)(row));
@@ -586,16 +636,6 @@ void AddNumbers(Shapes& shapes) {
   shapes.back().question = "--hand left or --hand right";
 }
 
-/// A time in steps of 10 ms and two joints; `cell` gives what stands between them in a row.
-std::string TwoJoints(const std::string& header, const std::function<std::string(int row)>& cell,
-                      const std::function<double(int row, int sensor)>& angle_deg) {
-  std::string text = header;
-  for (int row = 0; row < kRows; ++row) {
-    text += fmt::format("{}{:.3f},{:.3f}\n", cell(row), angle_deg(row, 1), angle_deg(row, 2));
-  }
-  return text;
-}
-
 /// Columns that rise as a time does and are none, lines above a table that are as long as its rows,
 /// and units that cannot be the same.
 void AddRising(Shapes& shapes) {
@@ -649,6 +689,63 @@ void AddRising(Shapes& shapes) {
     points += "\n";
   }
   ask("points_trc", points, "9 columns are positions, not angles");
+  ask("moments", TwoJoints("time,index_mcp_moment,index_pip_moment\n", time, AngleDeg),
+      "no column looks like a sensor");
+  ask("forces", TwoJoints("time,wrist_f_norm_N,elbow_mA\n", time, AngleDeg),
+      "no column looks like a sensor");
+}
+
+/// Clocks of some joints or rows only, and one in a unit that two rates fit.
+void AddClocks(Shapes& shapes) {
+  const Joints joints = {{"index_mcp", "index_mcp"}, {"index_pip", "index_pip"}};
+  const auto two_clocks = [](const char* header, double later_s) {
+    std::string text = header;
+    for (int row = 0; row < kRows; ++row) {
+      text += fmt::format("{:.2f},{:.3f},{:.2f},{:.3f}\n", 0.01 * row, AngleDeg(row, 1),
+                          0.01 * row + later_s, AngleDeg(row, 2));
+    }
+    return text;
+  };
+  shapes.push_back({"clocks_own", two_clocks("Time_a,index_mcp,Time_b,index_pip\n", 10.0)});
+  shapes.back().question = "columns 1 and 3 are clocks of different joints, up to 10 s apart";
+  shapes.push_back(
+      {"clocks_same", two_clocks("time,index_mcp,time_b,index_pip\n", 0.001), 100, "deg", joints});
+  const auto few_times = [](int row) {
+    return row < 90 ? fmt::format("{:.2f},", 0.01 * row) : ",";
+  };
+  shapes.push_back(
+      {"clocks_missing", TwoJoints("time,index_mcp,index_pip\n", few_times, AngleDeg)});
+  shapes.back().question = "the time is missing in 25 % of the rows";
+  shapes.back().map_answers = false;
+  shapes.push_back(
+      {"clocks_noted", TwoJoints(
+                           "// Update Rate: 100.0Hz\nSampleTimeFine,index_mcp,index_pip\n",
+                           [](int row) { return fmt::format("{},", 100 * row); }, AngleDeg)});
+  shapes.back().question = "the lines above the table say 100 Hz, the time 10 Hz";
+  shapes.push_back(
+      {"clocks_ticks",
+       TwoJoints(
+           "timestamp,index_mcp,index_pip\n",
+           [](int row) { return fmt::format("{},", 638450000000000000 + 100000 * row); }, AngleDeg),
+       100, "deg", joints});
+  shapes.push_back(
+      {"clocks_ms",
+       TwoJoints(
+           "time,ms,index_mcp,index_pip\n",
+           [](int row) { return fmt::format("10:11:{:02},{},", row / 100, 10 * (row % 100)); },
+           AngleDeg),
+       100, "deg", joints});
+  shapes.push_back({"commas", "time,index_mcp,index_pip\n"});
+  for (int row = 0; row < kRows; ++row) {
+    shapes.back().text += fmt::format("0,{:02},{},{:02},{},{:02}\n", row % 100, 20 + row % 50,
+                                      row % 9, 30 + row % 40, row % 7);
+  }
+  shapes.back().question = "are there decimal commas between commas?";
+  shapes.push_back({"clocks_slow",
+                    TwoJoints(
+                        "timestamp,index_mcp,index_pip\n",
+                        [](int row) { return fmt::format("{},", 1000 * row); }, AngleDeg),
+                    1000, "deg", joints});
 }
 
 /// Rows of several hands or sessions in one table, headers that lack a name, and clocks that fall.
@@ -700,6 +797,44 @@ void AddParts(Shapes& shapes) {
           "time,index_mcp,index_pip\n",
           [&](int row) { return time(row) + fmt::format("{:.3f},", AngleDeg(row, 0)); }, AngleDeg),
       "the header has 3 names for 4 columns");
+  const auto no_text = [&](int row) { return time(row); };
+  // Something behind every so many rows: remarks with and without a name, or a joint.
+  const auto behind = [](const std::string& text, const char* more, int every) {
+    std::string with;
+    int line = 0;
+    for (const char letter : text) {
+      if (letter == '\n' && line++ % every == every - 1) with += more;
+      with += letter;
+    }
+    return with;
+  };
+  const std::string plain = TwoJoints("time,index_mcp,index_pip\n", no_text, AngleDeg);
+  const std::string named = TwoJoints("time,index_mcp,index_pip,event\n", no_text, AngleDeg);
+  add("remarks_few", behind(plain, ",press", 30), "");
+  add("remarks", behind(plain, ",press", 3), "33 % of the rows have more than 3 values");
+  add("remarks_named", behind(named, ",press", 3), "33 % of the rows have more than 3 values");
+  add("remarks_often", behind(named, ",press", 2), "50 % of the rows have fewer than 4 values");
+  add("remarks_commas", behind(plain, ",", 2), "");
+  add("rows_short",
+      behind(TwoJoints("time,index_mcp,index_pip,middle_mcp\n", no_text, AngleDeg), ",7.5", 2),
+      "50 % of the rows have fewer than 4 values");
+  std::string wider;
+  for (int row = 0; row < 2 * kRows; ++row) {
+    wider += fmt::format("{:.2f},{:.3f},{:.3f},{:.3f}\n", 0.01 * row, AngleDeg(row, 3),
+                         AngleDeg(row, 4), AngleDeg(row, 5));
+  }
+  add("tables_below", plain + "time,thumb_ip,ring_mcp,ring_pip\n" + wider,
+      "120 rows above the table have another number of columns");
+  add("tables_apart", plain + TwoJoints("\ntime,thumb_ip,ring_mcp\n", no_text, AngleDeg),
+      "line 123 names the columns anew, in another way");
+  add("names_again", plain + TwoJoints("time,index_pip,index_mcp\n", no_text, AngleDeg),
+      "names the columns anew, in another way");
+  add("header_comment", TwoJoints("time,index_mcp,index_pip,comment\n", no_text, AngleDeg), "");
+  shapes.back().joints = {{"2", "index_mcp"}, {"3", "index_pip"}};
+  add("header_long",
+      TwoJoints(
+          "ID,index_mcp,index_pip\n", [](int) { return ""; }, AngleDeg),
+      "the header has 3 names for 2 columns");
   add("header_of_rows",
       TwoJoints(
           "time,index_mcp,index_pip\n",
@@ -741,6 +876,7 @@ std::vector<GloveShape> GloveShapes() {
   AddNumbers(shapes);
   AddParts(shapes);
   AddRising(shapes);
+  AddClocks(shapes);
   return shapes;
 }
 

@@ -19,9 +19,9 @@ struct GloveShape {
   bool map_answers = true;    // the question: else no advice names a map
 };
 
-/// 78 shapes in twelve kinds: positions beside angles, motion sensors, dead sensors, lists in
+/// Shapes of many kinds: positions beside angles, motion sensors, dead sensors, lists in
 /// cells, rows per channel, no hand, labels in cells, JointState, other tools, turns and signs,
-/// numbers of sensors, several hands or sessions.
+/// numbers of sensors, several hands or sessions, columns that rise, clocks of some rows.
 std::vector<GloveShape> GloveShapes();
 
 }  // namespace gauntlet::test
