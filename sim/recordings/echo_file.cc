@@ -135,6 +135,7 @@ class EchoFile : public MessageFile {
 }  // namespace
 
 bool IsEcho(std::string_view head) {
+  head = head.substr(0, head.rfind('\n') + 1);  // the last line may be cut
   std::string_view first_key;
   bool is_behind_end = false;
   for (const std::string_view line : SplitLines(head)) {
