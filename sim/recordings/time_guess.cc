@@ -208,7 +208,7 @@ std::vector<TimePart> WithMilliseconds(std::vector<TimePart> dates, const TableL
     }
     const std::vector<double> values = ValuesOf(layout, column);
     if (!std::ranges::all_of(values, [](double ms) { return ms >= 0.0 && ms < 1000.0; })) continue;
-    if (Advance({{column, "ms"}}, layout)) continue;  // a time of its own
+    if (std::ranges::is_sorted(values)) continue;  // a time of its own
     dates.push_back({column, "ms"});
     return dates;
   }
