@@ -42,14 +42,16 @@ bool IsRecordingFile(const fs::path& file) {
   const std::string ending = BareName(file.extension().string());
   if (IsWordOf("yaml yml", ending)) return false;
   if (IsWordOf("csv tsv txt dat json", ending)) return true;
-  // Others by their text: a scenario begins with a key and nothing behind it but one value.
+  // Others by their text: a scenario begins with a key and one value, or nothing, behind it.
   constexpr std::size_t kHeadBytes = 4096;
   const std::string head = BytesOf(FileSource(file), kHeadBytes);
   if (FormatOfBytes(head) != FileFormat::kText) return true;
   for (const std::string_view line : SplitLines(head)) {
     if (Trimmed(line).empty() || line.front() == '#' || line == "---") continue;
     const std::string_view key = line.substr(0, line.find(':'));
-    return key.size() == line.size() || line.substr(key.size() + 1).find(':') != line.npos ||
+    const std::string_view value = Trimmed(line.substr(std::min(key.size() + 1, line.size())));
+    const bool is_quoted = value.starts_with('"') || value.starts_with('\'');
+    return key.size() == line.size() || (value.find(':') != value.npos && !is_quoted) ||
            !std::ranges::all_of(key, [](unsigned char letter) {
              return std::isalnum(letter) != 0 || letter == '_';
            });

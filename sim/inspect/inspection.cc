@@ -543,8 +543,7 @@ std::string LongHeaderQuestion(const Inspection& inspection) {
       inspection.columns.size() + 1, inspection.columns.size());
 }
 
-/// A sentence if the time is missing in many rows, goes back in many, or is another than that of
-/// the lines above the table.
+/// A sentence if the time is missing in many rows, or goes back in many.
 std::string TimeQuestion(const Inspection& inspection) {
   if (!inspection.has_time) return "";
   constexpr double kMost = 0.05;
