@@ -27,13 +27,14 @@ namespace gauntlet::controller {
 ///
 /// To add a kind: a file with its struct and the function that all kinds have (MakeFilter,
 /// MakeMotion, ..), and one entry in the variant. A kind without that function does not compile.
-template <class Settings>
+///
+/// A variant of many kinds is a class derived from std::variant. Its copy, move and destructor are
+/// defined in one source, so that sources that copy a config do not compile those of every kind.
+template <class Settings, class Variant = typename Settings::variant>
 struct KindsOf;
 /// The kinds of a variant.
-template <class... Configs>
-struct KindsOf<std::variant<Configs...>> {
-  using Settings = std::variant<Configs...>;
-
+template <class Settings, class... Configs>
+struct KindsOf<Settings, std::variant<Configs...>> {
   static constexpr std::size_t kCount = sizeof...(Configs);
   static constexpr std::array<std::string_view, kCount> kNames = {Configs::kKind...};
   static constexpr std::array<std::string_view, kCount> kSummaries = {Configs::kSummary...};

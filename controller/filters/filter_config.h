@@ -29,11 +29,21 @@ namespace gauntlet::controller {
 
 /// Every kind of filter that there is. To add one: a file with its config (kKind, kSummary,
 /// defaults, Visit) and its MakeFilter(), one entry here and one in `filter_registry.h`.
-using FilterSettings =
-    std::variant<NoFilterConfig, MovingAverageConfig, MedianConfig, HampelConfig, ExponentialConfig,
-                 ButterworthConfig, SavitzkyGolayConfig, OneEuroConfig, JerkLimitConfig,
-                 AlphaBetaConfig, AlphaBetaGammaConfig, KalmanConfig, KalmanSteadyConfig,
-                 KalmanAdaptiveConfig, KalmanDenseConfig, FixedLagConfig, ExternalConfig>;
+class GAUNTLET_API FilterSettings
+    : public std::variant<NoFilterConfig, MovingAverageConfig, MedianConfig, HampelConfig,
+                          ExponentialConfig, ButterworthConfig, SavitzkyGolayConfig, OneEuroConfig,
+                          JerkLimitConfig, AlphaBetaConfig, AlphaBetaGammaConfig, KalmanConfig,
+                          KalmanSteadyConfig, KalmanAdaptiveConfig, KalmanDenseConfig,
+                          FixedLagConfig, ExternalConfig> {
+ public:
+  using variant::variant;
+  FilterSettings();
+  FilterSettings(const FilterSettings& other);
+  FilterSettings(FilterSettings&& other) noexcept;
+  FilterSettings& operator=(const FilterSettings& other);
+  FilterSettings& operator=(FilterSettings&& other) noexcept;
+  ~FilterSettings();
+};
 
 /// Values of one number for the channels of a filter, in place of one value for all.
 struct GAUNTLET_API ChannelValues {

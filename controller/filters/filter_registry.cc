@@ -78,6 +78,13 @@ std::unique_ptr<Filter> MakeOfAll(const FilterConfig& config, std::span<const st
 
 }  // namespace
 
+FilterSettings::FilterSettings() = default;
+FilterSettings::FilterSettings(const FilterSettings& other) = default;
+FilterSettings::FilterSettings(FilterSettings&& other) noexcept = default;
+FilterSettings& FilterSettings::operator=(const FilterSettings& other) = default;
+FilterSettings& FilterSettings::operator=(FilterSettings&& other) noexcept = default;
+FilterSettings::~FilterSettings() = default;
+
 void FilterConfig::Visit(SettingsVisitor& visitor) {
   const std::size_t kind_before = settings.index();
   ChooseKind(visitor, {.key = "kind", .help = "which filter", .required = true}, settings);

@@ -20,11 +20,20 @@ namespace gauntlet::controller {
 
 /// Every kind of prediction that there is. To add one: a file with its config and its
 /// MakePredictor(), one entry here and one in `predictor.h`.
-using PredictionSettings =
-    std::variant<NoPredictionConfig, LinearPredictionConfig, KalmanPredictionConfig,
-                 AdaptivePredictionConfig, DoubleExponentialPredictionConfig,
-                 FittedPredictionConfig, FittedToOthersPredictionConfig,
-                 AutoregressivePredictionConfig>;
+class GAUNTLET_API PredictionSettings
+    : public std::variant<NoPredictionConfig, LinearPredictionConfig, KalmanPredictionConfig,
+                          AdaptivePredictionConfig, DoubleExponentialPredictionConfig,
+                          FittedPredictionConfig, FittedToOthersPredictionConfig,
+                          AutoregressivePredictionConfig> {
+ public:
+  using variant::variant;
+  PredictionSettings();
+  PredictionSettings(const PredictionSettings& other);
+  PredictionSettings(PredictionSettings&& other) noexcept;
+  PredictionSettings& operator=(const PredictionSettings& other);
+  PredictionSettings& operator=(PredictionSettings&& other) noexcept;
+  ~PredictionSettings();
+};
 
 /// Looking ahead, to compensate the delay between the glove and the hand: the paper's second idea.
 ///

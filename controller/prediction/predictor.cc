@@ -2,6 +2,13 @@
 
 namespace gauntlet::controller {
 
+PredictionSettings::PredictionSettings() = default;
+PredictionSettings::PredictionSettings(const PredictionSettings& other) = default;
+PredictionSettings::PredictionSettings(PredictionSettings&& other) noexcept = default;
+PredictionSettings& PredictionSettings::operator=(const PredictionSettings& other) = default;
+PredictionSettings& PredictionSettings::operator=(PredictionSettings&& other) noexcept = default;
+PredictionSettings::~PredictionSettings() = default;
+
 void PredictionConfig::Visit(SettingsVisitor& visitor) {
   VisitKind(visitor, {"kind", "how to look ahead"}, settings);
 }

@@ -175,6 +175,13 @@ ServoNumbers& ServoConfig::numbers() {
   return std::visit([](ServoNumbers& numbers) -> ServoNumbers& { return numbers; }, settings);
 }
 
+ServoSettings::ServoSettings() = default;
+ServoSettings::ServoSettings(const ServoSettings& other) = default;
+ServoSettings::ServoSettings(ServoSettings&& other) noexcept = default;
+ServoSettings& ServoSettings::operator=(const ServoSettings& other) = default;
+ServoSettings& ServoSettings::operator=(ServoSettings&& other) noexcept = default;
+ServoSettings::~ServoSettings() = default;
+
 void ServoConfig::Visit(SettingsVisitor& visitor) {
   controller::VisitKind(visitor, {"kind", "which servo the motors have"}, settings);
 }

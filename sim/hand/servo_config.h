@@ -120,9 +120,18 @@ struct OrcaServo : DynamixelServo {
 };
 
 /// Every kind of servo that there is. To add one: a struct of its numbers, and one entry here.
-using ServoSettings =
-    std::variant<StandardServo, IdealServo, RcAnalogServo, RcDigitalServo, BusServo, DynamixelServo,
-                 StiffDynamixelServo, LeapServo, OrcaServo>;
+class ServoSettings
+    : public std::variant<StandardServo, IdealServo, RcAnalogServo, RcDigitalServo, BusServo,
+                          DynamixelServo, StiffDynamixelServo, LeapServo, OrcaServo> {
+ public:
+  using variant::variant;
+  ServoSettings();
+  ServoSettings(const ServoSettings& other);
+  ServoSettings(ServoSettings&& other) noexcept;
+  ServoSettings& operator=(const ServoSettings& other);
+  ServoSettings& operator=(ServoSettings&& other) noexcept;
+  ~ServoSettings();
+};
 
 /// Position servos of one kind. A kind brings all its numbers; what is said beside `kind`
 /// replaces one of them.

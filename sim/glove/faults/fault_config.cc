@@ -15,6 +15,13 @@ FaultNature FaultConfig::nature() const {
   return std::visit([](const auto& fault) { return fault.kNature; }, settings);
 }
 
+FaultSettings::FaultSettings() = default;
+FaultSettings::FaultSettings(const FaultSettings& other) = default;
+FaultSettings::FaultSettings(FaultSettings&& other) noexcept = default;
+FaultSettings& FaultSettings::operator=(const FaultSettings& other) = default;
+FaultSettings& FaultSettings::operator=(FaultSettings&& other) noexcept = default;
+FaultSettings::~FaultSettings() = default;
+
 void FaultConfig::Visit(controller::SettingsVisitor& visitor) {
   controller::ChooseKind(visitor, {"kind", "what goes wrong"}, settings);
   when().Visit(visitor);

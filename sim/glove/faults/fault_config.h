@@ -15,9 +15,19 @@ namespace gauntlet::sim {
 
 /// Every kind of fault that there is. To add one: a struct with its kNature, its occurrence `when`,
 /// its own settings and its Apply(), and one entry here.
-using FaultSettings = std::variant<SpikeFault, NoiseBurstFault, GainChangeFault, TimeJitterFault,
-                                   SaturatedFault, StuckFault, DisconnectedFault, DropoutFault,
-                                   DuplicatedFrameFault, LateFrameFault, OffsetJumpFault>;
+class FaultSettings
+    : public std::variant<SpikeFault, NoiseBurstFault, GainChangeFault, TimeJitterFault,
+                          SaturatedFault, StuckFault, DisconnectedFault, DropoutFault,
+                          DuplicatedFrameFault, LateFrameFault, OffsetJumpFault> {
+ public:
+  using variant::variant;
+  FaultSettings();
+  FaultSettings(const FaultSettings& other);
+  FaultSettings(FaultSettings&& other) noexcept;
+  FaultSettings& operator=(const FaultSettings& other);
+  FaultSettings& operator=(FaultSettings&& other) noexcept;
+  ~FaultSettings();
+};
 
 /// Something that goes wrong with the glove, again and again: `kind`, when and where, then the
 /// settings of that kind.

@@ -2,6 +2,13 @@
 
 namespace gauntlet::sim {
 
+MotionSettings::MotionSettings() = default;
+MotionSettings::MotionSettings(const MotionSettings& other) = default;
+MotionSettings::MotionSettings(MotionSettings&& other) noexcept = default;
+MotionSettings& MotionSettings::operator=(const MotionSettings& other) = default;
+MotionSettings& MotionSettings::operator=(MotionSettings&& other) noexcept = default;
+MotionSettings::~MotionSettings() = default;
+
 void MotionConfig::Visit(controller::SettingsVisitor& visitor) {
   controller::ChooseKind(visitor, {"kind", "what the wearer does"}, settings);
   visitor.Text({"label",

@@ -20,9 +20,19 @@ namespace gauntlet::sim {
 
 /// Every kind of motion that there is. To add one: a file with its config and its MakeMotion(), and
 /// one entry here.
-using MotionSettings =
-    std::variant<HoldConfig, RecordedMotionConfig, RandomMotionConfig, MovesConfig, GraspConfig,
-                 BurstsConfig, SineConfig, ChirpConfig, StepsConfig, SequenceConfig, TappingConfig>;
+class MotionSettings
+    : public std::variant<HoldConfig, RecordedMotionConfig, RandomMotionConfig, MovesConfig,
+                          GraspConfig, BurstsConfig, SineConfig, ChirpConfig, StepsConfig,
+                          SequenceConfig, TappingConfig> {
+ public:
+  using variant::variant;
+  MotionSettings();
+  MotionSettings(const MotionSettings& other);
+  MotionSettings(MotionSettings&& other) noexcept;
+  MotionSettings& operator=(const MotionSettings& other);
+  MotionSettings& operator=(MotionSettings&& other) noexcept;
+  ~MotionSettings();
+};
 
 /// What the wearer does: `kind`, `label`, then the settings of that kind.
 struct MotionConfig {
