@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <regex>
 #include <sstream>
 #include <string_view>
 #include <type_traits>
@@ -184,10 +183,23 @@ std::vector<std::string> WithoutWordsForOptions(std::vector<std::string> argumen
 /// COMMAND` of a source tree. `called`: argv[0]; a place that no person types is left out.
 std::string AsCalled(const std::string& text, const std::string& called) {
   if (!called.starts_with("./") && !called.starts_with("../")) return text;
-  static const std::regex kCommand(R"((^|[\s(])gauntlet( --help| [a-z\[]))");
-  std::string word;  // in which $ begins nothing
-  for (const char c : ShellPath(called)) word += c == '$' ? "$$" : std::string(1, c);
-  return std::regex_replace(text, kCommand, "$1" + word + "$2");
+  constexpr std::string_view kName = "gauntlet ";
+  const auto is_command = [&](std::size_t at) {
+    const bool begins =
+        at == 0 || std::string_view(" \t\n(").find(text[at - 1]) != std::string_view::npos;
+    const std::string_view next = std::string_view(text).substr(at + kName.size());
+    const bool goes_on = !next.empty() && (next[0] == '[' || (next[0] >= 'a' && next[0] <= 'z'));
+    return begins && (goes_on || next.starts_with("--help"));
+  };
+  const std::string word = ShellPath(called) + " ";
+  std::string result;
+  std::size_t copied = 0;
+  for (auto at = text.find(kName); at != std::string::npos; at = text.find(kName, at + 1)) {
+    if (!is_command(at)) continue;
+    result += text.substr(copied, at - copied) + word;
+    copied = at + kName.size();
+  }
+  return result + text.substr(copied);
 }
 
 /// The next line, or what is left of a paragraph of notes of which a line is too long.
@@ -229,6 +241,29 @@ std::string HelpIn80Columns(const std::string& help) {
 }
 
 }  // namespace
+
+Variable::Variable() = default;
+Variable::Variable(const Variable& other) = default;
+Variable::Variable(Variable&& other) noexcept = default;
+Variable& Variable::operator=(const Variable& other) = default;
+Variable& Variable::operator=(Variable&& other) noexcept = default;
+Variable::~Variable() = default;
+
+Option::Option(std::string its_name, Variable sets, OptionRules its_rules, std::string text)
+    : name(std::move(its_name)),
+      variable(std::move(sets)),
+      rules(std::move(its_rules)),
+      help(std::move(text)) {}
+Option::Option(const Option& other) = default;
+Option::Option(Option&& other) noexcept = default;
+Option& Option::operator=(const Option& other) = default;
+Option& Option::operator=(Option&& other) noexcept = default;
+Option::~Option() = default;
+
+Options::Options(Option option) : vector({std::move(option)}) {}
+Options::Options(std::initializer_list<Options> parts) {
+  for (const Options& part : parts) insert(end(), part.begin(), part.end());
+}
 
 const Command* ReadCommandLine(const Command& program, const std::vector<Command>& commands,
                                int argc, char** argv) {

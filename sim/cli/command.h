@@ -15,9 +15,18 @@
 namespace gauntlet::sim {
 
 /// A variable that an option sets; a bool makes a flag. A function is called with the value.
-using Variable = std::variant<bool*, int*, std::int64_t*, double*, std::optional<double>*,
-                              std::string*, std::vector<double>*, std::vector<std::string>*,
-                              std::function<void(const std::string&)>>;
+class Variable : public std::variant<bool*, int*, std::int64_t*, double*, std::optional<double>*,
+                                     std::string*, std::vector<double>*, std::vector<std::string>*,
+                                     std::function<void(const std::string&)>> {
+ public:
+  using variant::variant;
+  Variable();
+  Variable(const Variable& other);
+  Variable(Variable&& other) noexcept;
+  Variable& operator=(const Variable& other);
+  Variable& operator=(Variable&& other) noexcept;
+  ~Variable();
+};
 
 /// Words that a shell may offer for a value.
 enum class Offer {
@@ -62,11 +71,12 @@ struct Option {
   OptionRules rules;
   std::string help;
 
-  Option(std::string its_name, Variable sets, OptionRules its_rules, std::string text)
-      : name(std::move(its_name)),
-        variable(std::move(sets)),
-        rules(std::move(its_rules)),
-        help(std::move(text)) {}
+  Option(std::string its_name, Variable sets, OptionRules its_rules, std::string text);
+  Option(const Option& other);
+  Option(Option&& other) noexcept;
+  Option& operator=(const Option& other);
+  Option& operator=(Option&& other) noexcept;
+  ~Option();
 
   bool is_argument() const { return !name.starts_with('-'); }
   bool is_flag() const { return std::holds_alternative<bool*>(variable); }
@@ -78,10 +88,8 @@ struct Option {
 
 /// A list of options. It is written as options and other lists, one after the other.
 struct Options : std::vector<Option> {
-  Options(Option option) : vector({std::move(option)}) {}  // NOLINT(google-explicit-constructor)
-  Options(std::initializer_list<Options> parts) {
-    for (const Options& part : parts) insert(end(), part.begin(), part.end());
-  }
+  Options(Option option);  // NOLINT(google-explicit-constructor)
+  Options(std::initializer_list<Options> parts);
 };
 
 /// A command of the program. Parser, --help, pages of man, completion and suggestions follow from
