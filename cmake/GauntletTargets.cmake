@@ -45,6 +45,43 @@ if(GAUNTLET_UNITY_BUILD)
   target_compile_options(gauntlet_options INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
 endif()
 
+# Rooms that compute are optimised in a release; what runs for milliseconds at a time is compiled by -Og in half the time
+# of -O3, with the same bytes of results. docs/evidence/benchmarks.md has what each level costs and gains.
+set(GAUNTLET_COMPUTING_ROOMS base controller glove hand link loop score trial)
+# g++ frees what it no longer needs from 128 MB on, which takes a tenth of the time of a source that needs 400.
+target_compile_options(gauntlet_options INTERFACE "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:SHELL:--param ggc-min-heapsize=524288>")
+
+# gauntlet_optimise(<target> <folder>)
+# Compiles a target as a room of this folder: its level, and the headers that all rooms include, compiled once for each
+# level where sources are united (elsewhere a missing include is an error).
+function(gauntlet_optimise target folder)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR NOT GAUNTLET_BUILD_SIM)
+    return()
+  endif()
+  set(level -Og)
+  if(folder IN_LIST GAUNTLET_COMPUTING_ROOMS OR target MATCHES "_computing$")
+    set(level -O3)
+  endif()
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:${level}>)
+  if(NOT GAUNTLET_UNITY_BUILD OR NOT CMAKE_BUILD_TYPE STREQUAL "Release")
+    return()
+  endif()
+  set(headers gauntlet_headers${level})
+  if(NOT TARGET ${headers})
+    set(place ${PROJECT_BINARY_DIR}/cmake/headers${level}.cc)
+    file(CONFIGURE OUTPUT ${place} CONTENT "")
+    add_library(${headers} OBJECT ${place})
+    set_target_properties(${headers} PROPERTIES GAUNTLET_FOR_ROBOTS ON  # no definition that a room lacks
+      POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+    target_link_libraries(${headers} PRIVATE Eigen3::Eigen gauntlet_options)
+    target_compile_options(${headers} PRIVATE $<$<CONFIG:Release>:${level}>)
+    target_precompile_headers(${headers} PRIVATE
+      <algorithm> <array> <chrono> <cmath> <filesystem> <fstream> <functional> <map> <memory> <numeric> <optional>
+      <ranges> <set> <span> <sstream> <string> <string_view> <unordered_map> <utility> <variant> <vector> <Eigen/Core>)
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${headers})
+endfunction()
+
 # gauntlet_unite(<target> <file>...)
 # Compiles each ten sources of the target as one, if such builds are wanted. The files named here, whose
 # own names are those of other sources, are one by themselves; AND begins another one.
@@ -71,26 +108,37 @@ function(gauntlet_unite target)
   endforeach()
 endfunction()
 
-# gauntlet_add_library(<folder> SOURCES <file>... [LIBRARIES <target>...] [APART <file>... [AND <file>...]...] [EITHER])
+# gauntlet_add_library(<folder> SOURCES <file>... [LIBRARIES <target>...] [COMPUTING <file>...]
+#                      [APART <file>... [AND <file>...]...] [EITHER])
 # Makes the static library gauntlet_<folder>, included from the project's root.
+# COMPUTING: sources that are optimised in a release, of a room that is not.
 # APART: sources whose own names are those of another one, so that they cannot be compiled as one: see
 # gauntlet_unite().
 # EITHER: static or shared, as BUILD_SHARED_LIBS says, where the simulation, which uses more than a shared
 # library shows, is not built.
 function(gauntlet_add_library folder)
-  cmake_parse_arguments(ARG "EITHER" "" "SOURCES;LIBRARIES;APART" ${ARGN})
+  cmake_parse_arguments(ARG "EITHER" "" "SOURCES;LIBRARIES;COMPUTING;APART" ${ARGN})
+  set(parts gauntlet_${folder})
   if(ARG_EITHER AND BUILD_SHARED_LIBS AND NOT GAUNTLET_BUILD_SIM)
     add_library(gauntlet_${folder} SHARED ${ARG_SOURCES})
   else()
     add_library(gauntlet_${folder} STATIC ${ARG_SOURCES})
   endif()
-  # A part of programs and of the Python module.
-  set_target_properties(gauntlet_${folder} PROPERTIES
-    POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-  gauntlet_unite(gauntlet_${folder} ${ARG_APART})
-  target_include_directories(gauntlet_${folder} PUBLIC ${GAUNTLET_SOURCE_DIR})
-  target_link_libraries(gauntlet_${folder} PUBLIC ${ARG_LIBRARIES} PRIVATE gauntlet_options)
-  target_compile_features(gauntlet_${folder} PUBLIC cxx_std_20)
+  if(ARG_COMPUTING)
+    list(APPEND parts gauntlet_${folder}_computing)
+    add_library(gauntlet_${folder}_computing OBJECT ${ARG_COMPUTING})
+    target_sources(gauntlet_${folder} PRIVATE $<TARGET_OBJECTS:gauntlet_${folder}_computing>)
+  endif()
+  foreach(part IN LISTS parts)
+    # A part of programs and of the Python module.
+    set_target_properties(${part} PROPERTIES
+      POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+    gauntlet_unite(${part} ${ARG_APART})
+    gauntlet_optimise(${part} ${folder})
+    target_include_directories(${part} PUBLIC ${GAUNTLET_SOURCE_DIR})
+    target_link_libraries(${part} PUBLIC ${ARG_LIBRARIES} PRIVATE gauntlet_options)
+    target_compile_features(${part} PUBLIC cxx_std_20)
+  endforeach()
 endfunction()
 
 # Optimising what runs for milliseconds takes longer than it saves. g++ 12 then warns of paths that
