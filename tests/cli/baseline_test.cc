@@ -19,14 +19,13 @@ using testing::HasSubstr;
 using testing::Not;
 using Json = nlohmann::json;
 
-const std::string kScenarios = SourceDir() + "/scenarios/";
-
 class BaselineTest : public testing::Test {
  protected:
   /// A comparison; what it printed is `table_`, what it wrote `scores_` and `page_`.
   void Compare(const std::string& scenario, const std::vector<std::string>& more) {
     std::vector<std::string> command = {
-        GAUNTLET_PROGRAM, "compare", kScenarios + scenario, "--seeds", "5", "--out", "out"};
+        GAUNTLET_PROGRAM, "compare", SourceDir() + "/scenarios/" + scenario, "--seeds", "5",
+        "--out",          "out"};
     command.insert(command.end(), more.begin(), more.end());
     ProgramOptions options;
     options.working_directory = folder_.path();

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-constexpr const char* kScenario =
+constexpr const char* kScenarioText =
     "question: q\nseed: 1\nglove: {motion: {kind: hold, duration_s: 0.3}}\n"
     "controllers:\n  raw: {filter: none}\n  tuned_kalman: {filter: {kind: kalman, q: 0.01}}\n";
 
@@ -107,7 +107,7 @@ TEST_F(KeptFiles, ALogStaysWhateverStandsBesideTheAnswer) {
 TEST_F(KeptFiles, AScenarioStaysWhateverTheResultsAreCalled) {
   for (const char* name : {"tuned_kalman.yaml", "kalman.yaml", "report.html", "cells.csv",
                            "scenario.resolved.yaml", "scores.csv", "robust.csv"}) {
-    Put(name, kScenario);
+    Put(name, kScenarioText);
   }
   const auto tune = [&](const std::string& scenario) -> std::vector<std::string> {
     return {"tune",
@@ -153,7 +153,7 @@ TEST_F(KeptFiles, AnIncludedControllerStays) {
 }
 
 TEST_F(KeptFiles, ResultsStayUnlessTheirOwnCommandRepeatsThem) {
-  Put("s.yaml", kScenario);
+  Put("s.yaml", kScenarioText);
   ExpectDone({"compare", "s.yaml", "--seeds", "2", "--out", "o"});
   for (const std::string name : {"trace.h5", "study.db", "manifest.json", "scores.json",
                                  "scores.csv", "report.html", "scenario.resolved.yaml"}) {
@@ -176,7 +176,7 @@ TEST_F(KeptFiles, ResultsStayUnlessTheirOwnCommandRepeatsThem) {
 TEST_F(KeptFiles, EditedFilesAreReplacedByForceOnly) {
   Put("rec.csv", Recording());
   Put("log.csv", Log());
-  Put("s.yaml", kScenario);
+  Put("s.yaml", kScenarioText);
   const std::vector<std::vector<std::string>> commands = {
       {"inspect", "rec.csv", "--write-scenario", "g.yaml"},
       {"tune", "s.yaml", "--controller", "tuned_kalman", "--free", "filter.q=0.01:1", "--seeds",
@@ -206,7 +206,7 @@ TEST_F(KeptFiles, FilesThatPeopleEditAreReadWithTheirChecksum) {
   Put("rec.csv", Recording());
   ExpectDone({"inspect", "rec.csv", "--write-scenario", "g.yaml"});
   ExpectDone({"run", "g.yaml", "--out", "o"});
-  Put("s.yaml", kScenario);
+  Put("s.yaml", kScenarioText);
   ExpectDone({"tune", "s.yaml", "--controller", "tuned_kalman", "--free", "filter.q=0.01:1",
               "--seeds", "2", "--held-out", "2", "--evaluations", "2", "--filter-only", "--out",
               "t"});

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-ProgramResult Gauntlet(std::vector<std::string> arguments) {
+ProgramResult RunGauntlet(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), GAUNTLET_PROGRAM);
   return RunProgram(arguments);
 }
@@ -49,8 +49,8 @@ TEST(McapOfARun, HasTheValuesAndTimesOfItsCsv) {
   TemporaryDirectory folder;
   const fs::path out = folder.path() / "out";
   const ProgramResult run =
-      Gauntlet({"run", SourceDir() + "/scenarios/hold_still.yaml", "--mcap", "--csv", "--causes",
-                "none", "--controllers", "raw", "--out", out.string()});
+      RunGauntlet({"run", SourceDir() + "/scenarios/hold_still.yaml", "--mcap", "--csv", "--causes",
+                   "none", "--controllers", "raw", "--out", out.string()});
   ASSERT_EQ(run.exit_code, 0) << run.standard_error;
   EXPECT_THAT(run.standard_error, HasSubstr("trace.mcap"));
   const auto csv = ColumnsOf(sim::BytesOf(sim::FileSource(out / "trace.raw.csv")));
@@ -89,20 +89,20 @@ TEST(McapOfARun, HasTheValuesAndTimesOfItsCsv) {
 TEST(McapOfARun, IsARecordingThatCanBePlayed) {
   TemporaryDirectory folder;
   const std::string out = (folder.path() / "out").string();
-  ASSERT_EQ(Gauntlet({"run", SourceDir() + "/scenarios/door_opening.yaml", "--mcap", "--causes",
-                      "none", "--controllers", "raw", "--out", out})
+  ASSERT_EQ(RunGauntlet({"run", SourceDir() + "/scenarios/door_opening.yaml", "--mcap", "--causes",
+                         "none", "--controllers", "raw", "--out", out})
                 .exit_code,
             0);
   // As the argument of run, with a topic.
-  const ProgramResult played =
-      Gauntlet({"run", out + "/trace.mcap", "--topic", "/wearer/true_angle_rad", "--causes", "none",
-                "--controllers", "raw", "--json", "--out", (folder.path() / "played").string()});
+  const ProgramResult played = RunGauntlet(
+      {"run", out + "/trace.mcap", "--topic", "/wearer/true_angle_rad", "--causes", "none",
+       "--controllers", "raw", "--json", "--out", (folder.path() / "played").string()});
   ASSERT_EQ(played.exit_code, 0) << played.standard_error;
-  const ProgramResult asked = Gauntlet({"run", out + "/trace.mcap"});
+  const ProgramResult asked = RunGauntlet({"run", out + "/trace.mcap"});
   EXPECT_EQ(asked.exit_code, 2);
   EXPECT_THAT(asked.standard_error, HasSubstr("has several topics: /wearer/true_angle_rad, "));
   // A result with an MCAP file in it stays a result.
-  EXPECT_THAT(Gauntlet({"identify", out}).standard_error, HasSubstr("out/trace.h5: "));
+  EXPECT_THAT(RunGauntlet({"identify", out}).standard_error, HasSubstr("out/trace.h5: "));
 }
 
 /// A log of a servo with a known delay, as a controller of ROS 2 publishes its state.
@@ -137,8 +137,8 @@ TEST(McapLog, OfCommandsAndAnglesIsIdentified) {
                         "index_mcp_command_deg_1,command,index_mcp,deg\n"
                         "index_mcp_deg_1,angle,index_mcp,deg\n";
   const ProgramResult result =
-      Gauntlet({"identify", file.string(), "--topic", "controller/state", "--map", map.string(),
-                "--json", "--out", (folder.path() / "servo.chain.yaml").string()});
+      RunGauntlet({"identify", file.string(), "--topic", "controller/state", "--map", map.string(),
+                   "--json", "--out", (folder.path() / "servo.chain.yaml").string()});
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
   const auto found = nlohmann::json::parse(result.standard_output);
   EXPECT_THAT(result.standard_output, HasSubstr("delay_ms"));

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using Json = nlohmann::json;
 
-const std::string kScenario = SourceDir() + "/tests/support/three_joint_hand.yaml";
+const std::string kThreeJoints = SourceDir() + "/tests/support/three_joint_hand.yaml";
 
 /// Runs first in the page: whatever goes wrong is kept.
 constexpr const char* kListen = R"(<script>
@@ -94,7 +94,7 @@ class OtherHandTest : public testing::Test {
 };
 
 TEST_F(OtherHandTest, HasScoresPerJointMotorAndCable) {
-  const ProgramResult result = Gauntlet({"run", kScenario, "--out", "out"});
+  const ProgramResult result = Gauntlet({"run", kThreeJoints, "--out", "out"});
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
   EXPECT_THAT(result.standard_output, HasSubstr("3 of 3 joints"));
   const Json controller = Scores()["controllers"][0];
@@ -119,7 +119,7 @@ TEST_F(OtherHandTest, HasScoresPerJointMotorAndCable) {
 
 TEST_F(OtherHandTest, ScoresOnlyJointsThatTheGloveMoves) {
   const ProgramResult result =
-      Gauntlet({"run", kScenario, "--out", "out", "--set",
+      Gauntlet({"run", kThreeJoints, "--out", "out", "--set",
                 "joint_map.middle={channels: [], offset_deg: 30}", "--set", "video.channel=tip"});
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
   EXPECT_THAT(result.standard_output, HasSubstr("2 of 3 joints"));
@@ -128,7 +128,7 @@ TEST_F(OtherHandTest, ScoresOnlyJointsThatTheGloveMoves) {
 
 TEST_F(OtherHandTest, SaysWhichJointsThereAreForOneThatThereIsNot) {
   const ProgramResult result = Gauntlet(
-      {"run", kScenario, "--out", "out", "--set", "joint_map.nail={channels: [index_pip]}"});
+      {"run", kThreeJoints, "--out", "out", "--set", "joint_map.nail={channels: [index_pip]}"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.standard_error,
               HasSubstr("joint_map.nail: is not a joint of the hand, which has base, tip, middle"));
@@ -137,7 +137,7 @@ TEST_F(OtherHandTest, SaysWhichJointsThereAreForOneThatThereIsNot) {
 
 TEST_F(OtherHandTest, IsComparedWithABaselineAndShownOnThePageAndInTheVideo) {
   const ProgramResult result =
-      Gauntlet({"compare", kScenario, "--seeds", "2", "--out", "out", "--video"});
+      Gauntlet({"compare", kThreeJoints, "--seeds", "2", "--out", "out", "--video"});
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
   EXPECT_THAT(result.standard_output, HasSubstr("tuned_kalman"));
   EXPECT_GT(fs::file_size(folder_.path() / "out" / "comparison.mp4"), 1000u);

@@ -32,7 +32,7 @@ using testing::Not;
 
 constexpr int kSensors = 5;
 constexpr const char* kJoints[] = {"thumb_ip", "index_pip", "middle_pip", "ring_pip", "little_pip"};
-constexpr double kRate_hz = 60.0;
+constexpr double kGloveRate_hz = 60.0;
 constexpr double kCountsPerRange = 300.0;
 
 double LowCounts(int sensor) { return 350.0 + 20.0 * sensor; }
@@ -47,8 +47,8 @@ template <class Bend>
 std::string Recorded(double seconds, std::uint64_t seed, const Bend& bend) {
   std::string text = "millis;flex1;flex2;flex3;flex4;flex5\n";
   sim::RandomStream random(seed, "own glove");
-  for (int k = 0; k < seconds * kRate_hz; ++k) {
-    const double t = k / kRate_hz;
+  for (int k = 0; k < seconds * kGloveRate_hz; ++k) {
+    const double t = k / kGloveRate_hz;
     text += fmt::format("{}", static_cast<int>(1000.0 * t) + 5000);
     for (int i = 0; i < kSensors; ++i) {
       const double noise = 4.0 * sim::BoxMuller(random).first;

@@ -21,7 +21,7 @@ using testing::EndsWith;
 using testing::HasSubstr;
 
 const std::string kProgram = GAUNTLET_PROGRAM;
-const std::string kScenario = SourceDir() + "/scenarios/hold_still.yaml";
+const std::string kHoldStill = SourceDir() + "/scenarios/hold_still.yaml";
 
 /// Of all programs that have ended so far.
 double ProcessorTimeS() {
@@ -47,7 +47,7 @@ class SignalsTest : public testing::Test {
   std::vector<std::string> Compare(const std::string& out, int seeds) const {
     return {kProgram,
             "compare",
-            kScenario,
+            kHoldStill,
             "--seeds",
             std::to_string(seeds),
             "--controllers",
@@ -110,7 +110,7 @@ TEST_F(SignalsTest, AtAnyMomentTheFolderIsAsBeforeOrWhole) {
   int signal = SIGHUP;
   for (const int wait_ms : {10, 60, 120, 200, 300, 450}) {
     std::vector<std::string> command = {
-        kProgram, "run",   kScenario, "--controllers", "raw", "--set", "glove.motion.duration_s=2",
+        kProgram, "run",   kHoldStill, "--controllers", "raw", "--set", "glove.motion.duration_s=2",
         "--csv",  "--out", "out"};
     Program program = Start(command);
     ASSERT_TRUE(program.WaitForHandlerOf(signal));
@@ -170,7 +170,7 @@ TEST_F(SignalsTest, WhatWasToBeIgnoredStaysSo) {
 TEST_F(SignalsTest, AQuotaOfFilesIsAnErrorOfWriting) {
   const ProgramResult result =
       RunProgram({"/bin/sh", "-c",
-                  "ulimit -f 300; exec " + kProgram + " run " + kScenario +
+                  "ulimit -f 300; exec " + kProgram + " run " + kHoldStill +
                       " --controllers raw --set glove.motion.duration_s=2 --out out"},
                  {.working_directory = folder_.path()});
   EXPECT_EQ(result.exit_code, 1) << result.signal;

@@ -16,16 +16,16 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-const std::string kProgram = GAUNTLET_PROGRAM;
-const std::string kScenario = SourceDir() +
-                              "/scenarios/hold_still.yaml --controllers raw "
-                              "--set glove.motion.duration_s=0.2 ";
+const std::string kGauntlet = GAUNTLET_PROGRAM;
+const std::string kOneController = SourceDir() +
+                                   "/scenarios/hold_still.yaml --controllers raw "
+                                   "--set glove.motion.duration_s=0.2 ";
 
 class StandardStreamsTest : public testing::Test {
  protected:
   /// The program with `arguments` and redirections, as a shell has them; `before` goes first.
   ProgramResult Gauntlet(const std::string& arguments, const std::string& before = "") const {
-    return RunProgram({"/bin/sh", "-c", before + "exec " + kProgram + " " + arguments},
+    return RunProgram({"/bin/sh", "-c", before + "exec " + kGauntlet + " " + arguments},
                       {.working_directory = folder_.path()});
   }
   fs::path In(const std::string& name) const { return folder_.path() / name; }
@@ -39,17 +39,18 @@ class StandardStreamsTest : public testing::Test {
 };
 
 TEST_F(StandardStreamsTest, NothingIsLostWhereStandardErrorCannotBeWritten) {
-  ASSERT_EQ(Gauntlet("compare " + kScenario + "--seeds 2 --out a").exit_code, 0);
-  const ProgramResult told = Gauntlet("run " + kScenario + "--out told");
+  ASSERT_EQ(Gauntlet("compare " + kOneController + "--seeds 2 --out a").exit_code, 0);
+  const ProgramResult told = Gauntlet("run " + kOneController + "--out told");
   ASSERT_EQ(told.exit_code, 0);
   for (const std::string stream : {" 2>&-", " 2>/dev/full"}) {
     fs::remove_all(In("b"));
-    const ProgramResult compare = Gauntlet("compare " + kScenario + "--seeds 2 --out b" + stream);
+    const ProgramResult compare =
+        Gauntlet("compare " + kOneController + "--seeds 2 --out b" + stream);
     EXPECT_EQ(compare.exit_code, 0) << stream;
     for (const char* name : {"scores.csv", "trace.h5", "report.html", "manifest.json"}) {
       EXPECT_TRUE(ReadFile(In("a") / name) == ReadFile(In("b") / name)) << name << stream;
     }
-    EXPECT_EQ(Gauntlet("run " + kScenario + "--out told" + stream).standard_output,
+    EXPECT_EQ(Gauntlet("run " + kOneController + "--out told" + stream).standard_output,
               told.standard_output);
     EXPECT_EQ(Gauntlet("run nowhere.yaml" + stream).exit_code, 2);
     EXPECT_EQ(Gauntlet("nonsense" + stream).exit_code, 2);
@@ -60,11 +61,11 @@ TEST_F(StandardStreamsTest, NothingIsLostWhereStandardErrorCannotBeWritten) {
 
 TEST_F(StandardStreamsTest, ResultsThatNobodyGetsAreAnErrorOfEveryCommand) {
   WriteRecording();
-  ASSERT_EQ(Gauntlet("run " + kScenario + "--out o").exit_code, 0);
+  ASSERT_EQ(Gauntlet("run " + kOneController + "--out o").exit_code, 0);
   for (const std::string& command :
        {std::string("--version"), std::string("--help"), std::string("run --help"),
-        "run " + kScenario + "--out o", "run " + kScenario + "--out o --json",
-        "compare " + kScenario + "--seeds 2 --out p",
+        "run " + kOneController + "--out o", "run " + kOneController + "--out o --json",
+        "compare " + kOneController + "--seeds 2 --out p",
         std::string("calibrate glove.csv --out g.yaml"), std::string("diff o o"),
         std::string("list keys"), std::string("list --json"),
         std::string("filter none < glove.csv")}) {
@@ -86,7 +87,7 @@ TEST_F(StandardStreamsTest, AReaderThatHasGoneEndsTheProgramQuietlyButNotItsWork
   EXPECT_EQ(list.exit_code, 141);
   EXPECT_EQ(list.standard_error, "");
   const ProgramResult run =
-      Gauntlet("run " + kScenario +
+      Gauntlet("run " + kOneController +
                    "--set video.width_px=480 --set video.height_px=270 --video "
                    "--out o >&4",
                "rm pipe; " + pipe);
@@ -98,7 +99,7 @@ TEST_F(StandardStreamsTest, AReaderThatHasGoneEndsTheProgramQuietlyButNotItsWork
 TEST_F(StandardStreamsTest, APathChangesNeitherTheLinesOfMessagesNorTheTerminal) {
   const std::string out = "x\n\x1b[2J\xff";
   const ProgramResult result =
-      RunProgram({kProgram, "run", SourceDir() + "/scenarios/hold_still.yaml", "--controllers",
+      RunProgram({kGauntlet, "run", SourceDir() + "/scenarios/hold_still.yaml", "--controllers",
                   "raw", "--set", "glove.motion.duration_s=0.2", "--out", out},
                  {.working_directory = folder_.path()});
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
@@ -110,9 +111,9 @@ TEST_F(StandardStreamsTest, APathChangesNeitherTheLinesOfMessagesNorTheTerminal)
 TEST_F(StandardStreamsTest, WithoutFurtherThreadsOneDoesAllTrials) {
   // The stack of a thread would be larger than the address space.
   const std::string no_threads = "ulimit -s 274877906944 && ";
-  ASSERT_EQ(Gauntlet("compare " + kScenario + "--seeds 3 --jobs 3 --out a").exit_code, 0);
+  ASSERT_EQ(Gauntlet("compare " + kOneController + "--seeds 3 --jobs 3 --out a").exit_code, 0);
   const ProgramResult result =
-      Gauntlet("compare " + kScenario + "--seeds 3 --jobs 3 --out b", no_threads);
+      Gauntlet("compare " + kOneController + "--seeds 3 --jobs 3 --out b", no_threads);
   EXPECT_EQ(result.exit_code, 0) << result.standard_error;
   EXPECT_THAT(result.standard_error, HasSubstr("gauntlet: only 1 of 3 threads can be started: "));
   EXPECT_TRUE(ReadFile(In("a/scores.csv")) == ReadFile(In("b/scores.csv")));
