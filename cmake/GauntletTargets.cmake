@@ -9,24 +9,7 @@ target_compile_features(gauntlet_options INTERFACE cxx_std_20)
 target_compile_options(gauntlet_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off)
 # Else Eigen asks the processor how large its caches are, and sums the terms of products in an order that depends on them.
 target_compile_definitions(gauntlet_options INTERFACE EIGEN_NO_CPUID)
-set(GAUNTLET_SANITIZER_FLAGS "")
-if(GAUNTLET_SANITIZE STREQUAL "address")
-  # Fuzzers are told which branches an input takes. vptr asks the system for a pipe, which the process
-  # that reads a stranger's trace may not have.
-  set(GAUNTLET_SANITIZER_FLAGS -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize=vptr
-      -fno-sanitize-recover=undefined -fno-omit-frame-pointer
-      -fsanitize-ignorelist=${CMAKE_CURRENT_LIST_DIR}/../tests/support/unchecked.txt
-      -fsanitize-coverage-ignorelist=${CMAKE_CURRENT_LIST_DIR}/../tests/fuzz/uncovered.txt
-      -D__SANITIZE_ADDRESS__)  # as GCC has it
-elseif(GAUNTLET_SANITIZE STREQUAL "thread")
-  set(GAUNTLET_SANITIZER_FLAGS -fsanitize=thread -D__SANITIZE_THREAD__)
-elseif(GAUNTLET_SANITIZE)
-  message(FATAL_ERROR "GAUNTLET_SANITIZE is ${GAUNTLET_SANITIZE}; it may be address, thread or empty")
-endif()
-if(GAUNTLET_SANITIZE AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
-  message(FATAL_ERROR "GAUNTLET_SANITIZE needs clang++, which has the fuzzers and takes less time to build; this is ${CMAKE_CXX_COMPILER}")
-endif()
-list(JOIN GAUNTLET_SANITIZER_FLAGS " " GAUNTLET_SANITIZER_FLAG_LINE)  # for builds of other projects
+include(GauntletSanitizers)
 target_compile_options(gauntlet_options INTERFACE ${GAUNTLET_SANITIZER_FLAGS})
 target_link_options(gauntlet_options INTERFACE ${GAUNTLET_SANITIZER_FLAGS})
 # Promises of callers are checked (controller/assert.h), but neither in a release of what robots link, the
@@ -135,6 +118,7 @@ function(gauntlet_add_library folder)
       POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
     gauntlet_unite(${part} ${ARG_APART})
     gauntlet_optimise(${part} ${folder})
+    gauntlet_sanitize_library(${part} ${folder})
     target_include_directories(${part} PUBLIC ${GAUNTLET_SOURCE_DIR})
     target_link_libraries(${part} PUBLIC ${ARG_LIBRARIES} PRIVATE gauntlet_options)
     target_compile_features(${part} PUBLIC cxx_std_20)
@@ -153,11 +137,16 @@ set(GAUNTLET_TEST_OPTIONS $<$<CONFIG:Release>:-O1>
 set(GAUNTLET_COMPUTING_TESTS calibrate comparison controller glove hand loop paper robust score search statistics
     study sweep trial trial_table)
 
-# gauntlet_add_test(<name> SOURCES <file>... LIBRARIES <target>... [APART <file>... [AND <file>...]...])
+# gauntlet_add_test(<name> SOURCES <file>... LIBRARIES <target>... [APART <file>... [AND <file>...]...] [REST <file>...])
 # Makes a GoogleTest program whose cases CTest runs one by one. APART: as of gauntlet_add_library().
+# REST: more sources, which sanitizers run with GAUNTLET_ALL_ROOMS only: they hold values of long trials, or have no threads.
 function(gauntlet_add_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES;APART" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES;APART;REST" ${ARGN})
+  if(NOT GAUNTLET_SHORT)
+    list(APPEND ARG_SOURCES ${ARG_REST})
+  endif()
   add_executable(${name} ${ARG_SOURCES})
+  target_compile_definitions(${name} PRIVATE $<$<BOOL:${GAUNTLET_SHORT}>:GAUNTLET_SHORT>)
   gauntlet_unite(${name} ${ARG_APART})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} gauntlet_test_support GTest::gmock GTest::gtest_main gauntlet_options)
@@ -166,6 +155,8 @@ function(gauntlet_add_test name)
   if(NOT GAUNTLET_SANITIZE OR NOT folder IN_LIST GAUNTLET_COMPUTING_TESTS)
     target_compile_options(${name} PRIVATE $<$<BOOL:${GAUNTLET_SANITIZE}>:-O0>)
     target_precompile_headers(${name} REUSE_FROM gauntlet_test_support)
+  else()
+    target_compile_options(${name} PRIVATE -O2)
   endif()
   set(longest_s 240)
   if(GAUNTLET_SANITIZE)  # which makes everything several times slower
@@ -183,6 +174,7 @@ function(gauntlet_add_fuzzer name)
   gauntlet_unite(fuzz_${name})
   add_dependencies(fuzzers fuzz_${name})
   target_include_directories(fuzz_${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_compile_options(fuzz_${name} PRIVATE ${GAUNTLET_COVERAGE_FLAGS})
   target_link_libraries(fuzz_${name} PRIVATE ${ARG_LIBRARIES} gauntlet_options -fsanitize=fuzzer)
   set(found ${CMAKE_CURRENT_BINARY_DIR}/found/${name})
   file(MAKE_DIRECTORY ${found})

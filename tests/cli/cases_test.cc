@@ -181,8 +181,12 @@ class Case : public testing::Test {
 };
 
 const bool kAreRegistered = [] {
-  for (const auto& entry : fs::directory_iterator(SourceDir() + "/tests/cli/cases")) {
+  for (const auto& entry : fs::recursive_directory_iterator(SourceDir() + "/tests/cli/cases")) {
     const fs::path file = entry.path();
+    if (entry.is_directory()) continue;
+#ifdef GAUNTLET_SHORT  // as tests/support/long_test.h has it
+    if (file.parent_path().filename() == "long") continue;
+#endif
     testing::RegisterTest("Cases", file.stem().c_str(), nullptr, nullptr, file.c_str(), 1,
                           [file] { return new Case(file); });
   }

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/support/long_test.h"
 #include "tests/support/program.h"
 #include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
@@ -95,6 +96,7 @@ class CliTest : public testing::Test {
 };
 
 TEST_F(CliTest, ReproduceMeasuresThePaper) {
+  GAUNTLET_LONG_TEST();
   const ProgramResult result = Gauntlet({"reproduce", "--quick", "--out", "paper"});
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
   EXPECT_THAT(result.standard_output,
@@ -194,6 +196,7 @@ TEST_F(CliTest, FilterEndsAtTheFirstSignal) {
 }
 
 TEST_F(CliTest, CalibrateTakesATraceOfKnownPosesAndAScenarioIncludesTheResult) {
+  GAUNTLET_LONG_TEST();
   ASSERT_EQ(
       Gauntlet({"run", kScenarios + "known_poses.yaml", "--csv", "--controllers", "raw"}).exit_code,
       0);
@@ -238,6 +241,7 @@ TEST_F(CliTest, CalibrateTakesATraceOfKnownPosesAndAScenarioIncludesTheResult) {
 }
 
 TEST_F(CliTest, CalibrateFitsAndJudgesAPredictorThatAScenarioIncludes) {
+  GAUNTLET_LONG_TEST();
   const std::string motion = "glove.motion.duration_s=12";
   ASSERT_EQ(Gauntlet({"run", kScenarios + "random_motion.yaml", "--csv", "--controllers", "raw",
                       "--set", motion, "score.noise_free_twin=false"})
@@ -275,6 +279,7 @@ TEST_F(CliTest, CalibrateFitsAndJudgesAPredictorThatAScenarioIncludes) {
 }
 
 TEST_F(CliTest, IdentifyFindsADelayThatWasAddedToTheLink) {
+  GAUNTLET_LONG_TEST();
   const auto delay_ms = [&](const std::string& link_ms, const std::vector<std::string>& more) {
     const ProgramResult run = Gauntlet({"run", kScenarios + "probe_chain.yaml", "--out", "b",
                                         "--set", "score.noise_free_twin=false",
@@ -314,6 +319,7 @@ std::vector<double> HorizonsIn(const std::string& text) {
 }
 
 TEST_F(CliTest, ReadyScenariosLookAsFarAheadAsIdentifyFindsTheHandToBeLate) {
+  GAUNTLET_LONG_TEST();
   Gauntlet({"run", kScenarios + "probe_chain.yaml", "--out", "b", "--set",
             "score.noise_free_twin=false"});
   const ProgramResult table = Gauntlet({"identify", "b", "--out", "chain.yaml"});

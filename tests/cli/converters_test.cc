@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/trial/trace_reader.h"
+#include "tests/support/long_test.h"
 #include "tests/support/program.h"
 #include "tests/support/working_folder.h"
 
@@ -47,6 +48,7 @@ class Converters : public testing::Test {
 };
 
 TEST_F(Converters, OfSignedCountsGiveTheCommandsOfCountsFromZero) {
+  GAUNTLET_LONG_TEST();
   const sim::TraceFile from_zero = TraceOf("zero", {});
   std::vector<int> least(kChannels, 0);
   for (int c = 1; c < kChannels; c += 2) least[static_cast<std::size_t>(c)] = -512;

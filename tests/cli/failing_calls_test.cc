@@ -14,6 +14,7 @@
 #include <random>
 #include <thread>
 
+#include "tests/support/long_test.h"
 #include "tests/support/program.h"
 #include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
@@ -69,6 +70,10 @@ struct Command {
   /// Its arguments. `given`: a folder for its inputs; `out`: where its results go.
   std::vector<std::string> (*arguments)(const fs::path& given, const std::string& out);
 };
+
+bool IsLong(const Command& command) {
+  return command.name == "robust" || command.name == "identify";
+}
 
 const Command kCommands[] = {
     {"run",
@@ -232,6 +237,9 @@ class DisturbedCommand : public testing::TestWithParam<Command> {
 };
 
 TEST_P(DisturbedCommand, LeavesWholeFilesWhateverCallFails) {
+  if (IsLong(GetParam()) || GetParam().name == "run" || GetParam().name == "compare") {
+    GAUNTLET_LONG_TEST();
+  }
   ASSERT_NO_FATAL_FAILURE(RunUndisturbed());
   const int tries = GetParam().tries;
   for (int i = 0; i < tries; ++i) {
@@ -247,6 +255,7 @@ TEST_P(DisturbedCommand, LeavesWholeFilesWhateverCallFails) {
 }
 
 TEST_P(DisturbedCommand, LeavesWholeFilesOnAFullDisk) {
+  if (IsLong(GetParam())) GAUNTLET_LONG_TEST();
   ASSERT_NO_FATAL_FAILURE(RunUndisturbed());
   const int tries = (GetParam().tries + 1) / 2;
   for (int i = 0; i < tries; ++i) {
@@ -263,6 +272,7 @@ TEST_P(DisturbedCommand, LeavesWholeFilesOnAFullDisk) {
 }
 
 TEST_P(DisturbedCommand, KilledAtRandomMomentsItEndsWithTheSameBytes) {
+  if (IsLong(GetParam())) GAUNTLET_LONG_TEST();
   ASSERT_NO_FATAL_FAILURE(RunUndisturbed());
   const auto start = std::chrono::steady_clock::now();
   ASSERT_EQ(Run(folder_.path() / "timed").exit_code, 0);
@@ -283,6 +293,7 @@ class RepeatedCommand : public DisturbedCommand {};
 
 // Two runs, of which the second is killed at each rename in turn.
 TEST_P(RepeatedCommand, NeverLeavesFilesOfTwoRunsUnmarked) {
+  GAUNTLET_LONG_TEST();
   const fs::path first = folder_.path() / "first";
   const fs::path out = folder_.path() / "out";
   ASSERT_EQ(Run(first).exit_code, 0);

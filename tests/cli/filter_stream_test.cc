@@ -16,6 +16,7 @@
 #include "sim/base/channels.h"
 #include "sim/base/signal.h"
 #include "sim/recordings/recording_reader.h"
+#include "tests/support/long_test.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::test {
@@ -206,6 +207,7 @@ TEST(FilterMap, GivesTheAnglesThatARecordingHasByIt) {
 }
 
 TEST(FilterErrors, RepeatLittleOfALongField) {
+  GAUNTLET_LONG_TEST();
   const std::string garbage(100'000, 'x');
   for (const std::string& input :
        {"a\n" + garbage + "\n", "t_s,a\n" + garbage + ",1\n", garbage + "time\n1\n"}) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/long_test.h"
 #include "tests/support/program.h"
 #include "tests/support/working_folder.h"
 
@@ -56,6 +57,7 @@ double MedianOf(const nlohmann::json& parts, const std::string& key) {
 }
 
 TEST_F(IdentifyCliTest, GivesAServoWithWhichTheHandAnswersAsTheLogsDid) {
+  GAUNTLET_LONG_TEST();
   const nlohmann::json hidden = Identified("hand: {servo: {kind: rc_analog}}\n", "hidden");
   const std::string servo = Read("hidden.hand.yaml");
   EXPECT_THAT(servo,
@@ -72,6 +74,7 @@ TEST_F(IdentifyCliTest, GivesAServoWithWhichTheHandAnswersAsTheLogsDid) {
 }
 
 TEST_F(IdentifyCliTest, DrawsMeasuredBesideSimulated) {
+  GAUNTLET_LONG_TEST();
   std::string log = "t_s,claw<b>_command_deg,claw<b>_deg\n";
   for (int k = 0; k < 2000; ++k) {
     const auto command = [](double t) {
@@ -121,6 +124,7 @@ TEST_F(IdentifyCliTest, DrawsMeasuredBesideSimulated) {
 }
 
 TEST_F(IdentifyCliTest, TakesEachRowsCommandAsHeldWhenToldSo) {
+  GAUNTLET_LONG_TEST();
   std::string log = "t_s,claw_command_deg,claw_deg\n";
   for (int k = 0; k < 1500; ++k) {
     const auto command = [](double t) {
@@ -146,6 +150,7 @@ TEST_F(IdentifyCliTest, TakesEachRowsCommandAsHeldWhenToldSo) {
 }
 
 TEST_F(IdentifyCliTest, TellsLostMotionFromTheMotorsOwnHysteresisWhereMotorsAreInTheLog) {
+  GAUNTLET_LONG_TEST();
   const auto command = [](double t) {
     return 20.0 * std::sin(3.0 * t) + 12.0 * std::sin(8.3 * t + 1.0) + 6.0 * std::sin(14.7 * t);
   };

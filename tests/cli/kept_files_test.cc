@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 
+#include "tests/support/long_test.h"
 #include "tests/support/program.h"
 #include "tests/support/read_file.h"
 
@@ -153,6 +154,7 @@ TEST_F(KeptFiles, AnIncludedControllerStays) {
 }
 
 TEST_F(KeptFiles, ResultsStayUnlessTheirOwnCommandRepeatsThem) {
+  GAUNTLET_LONG_TEST();
   Put("s.yaml", kScenarioText);
   ExpectDone({"compare", "s.yaml", "--seeds", "2", "--out", "o"});
   for (const std::string name : {"trace.h5", "study.db", "manifest.json", "scores.json",
@@ -174,6 +176,7 @@ TEST_F(KeptFiles, ResultsStayUnlessTheirOwnCommandRepeatsThem) {
 }
 
 TEST_F(KeptFiles, EditedFilesAreReplacedByForceOnly) {
+  GAUNTLET_LONG_TEST();
   Put("rec.csv", Recording());
   Put("log.csv", Log());
   Put("s.yaml", kScenarioText);

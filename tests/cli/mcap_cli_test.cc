@@ -16,6 +16,7 @@
 #include "sim/recordings/mcap_writer.h"
 #include "sim/recordings/source_bytes.h"
 #include "sim/recordings/table_source.h"
+#include "tests/support/long_test.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 
@@ -46,6 +47,7 @@ std::map<std::string, std::vector<double>> ColumnsOf(const std::string& text) {
 }
 
 TEST(McapOfARun, HasTheValuesAndTimesOfItsCsv) {
+  GAUNTLET_LONG_TEST();
   TemporaryDirectory folder;
   const fs::path out = folder.path() / "out";
   const ProgramResult run =
@@ -107,6 +109,7 @@ TEST(McapOfARun, IsARecordingThatCanBePlayed) {
 
 /// A log of a servo with a known delay, as a controller of ROS 2 publishes its state.
 TEST(McapLog, OfCommandsAndAnglesIsIdentified) {
+  GAUNTLET_LONG_TEST();
   TemporaryDirectory folder;
   const fs::path file = folder.path() / "servo.mcap";
   std::ofstream stream(file, std::ios::binary);

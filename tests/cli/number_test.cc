@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/long_test.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 
@@ -71,6 +72,7 @@ class NumbersTest : public testing::Test {
 };
 
 TEST_F(NumbersTest, AreDecimalEverywhere) {
+  GAUNTLET_LONG_TEST();
   for (const char* const text : {"12", "+12", "012", "12.0", "12.", ".12e2", "12e0"}) {
     CheckEverywhere(text, true, true);
   }

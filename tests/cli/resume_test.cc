@@ -11,6 +11,7 @@
 #include <random>
 #include <thread>
 
+#include "tests/support/long_test.h"
 #include "tests/support/program.h"
 #include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
@@ -57,6 +58,7 @@ class ResumeTest : public testing::Test {
 };
 
 TEST_F(ResumeTest, KilledAtThirtyRandomMomentsItEndsWithTheSameBytes) {
+  GAUNTLET_LONG_TEST();
   const auto start = std::chrono::steady_clock::now();
   ASSERT_EQ(Run("undisturbed").exit_code, 0);
   const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - start;
@@ -92,6 +94,7 @@ TEST_F(ResumeTest, DamagedTrialsAreComputedAgainAndTold) {
 }
 
 TEST_F(ResumeTest, ADatabaseThatTakesNoTrialCostsNoResult) {
+  GAUNTLET_LONG_TEST();
   ASSERT_EQ(Run("undisturbed").exit_code, 0);
   ASSERT_EQ(RunProgram(Command("a", 2), {.working_directory = folder_.path()}).exit_code, 0);
   SQLite::Database database(Out("a") / "study.db", SQLite::OPEN_READWRITE);

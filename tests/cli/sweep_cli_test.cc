@@ -9,6 +9,7 @@
 #include <random>
 #include <thread>
 
+#include "tests/support/long_test.h"
 #include "tests/support/program.h"
 #include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
@@ -56,6 +57,7 @@ class SweepCommandTest : public testing::Test {
 };
 
 TEST_F(SweepCommandTest, KilledAtThirtyRandomMomentsItEndsWithTheSameBytes) {
+  GAUNTLET_LONG_TEST();
   const auto start = std::chrono::steady_clock::now();
   ASSERT_EQ(Sweep({"--filter-only", "--out", "whole"}).exit_code, 0);
   const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - start;
