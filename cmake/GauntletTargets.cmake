@@ -63,6 +63,8 @@ function(gauntlet_optimise target folder)
       <ranges> <set> <span> <sstream> <string> <string_view> <unordered_map> <utility> <variant> <vector> <Eigen/Core>)
   endif()
   target_precompile_headers(${target} REUSE_FROM ${headers})
+  # g++ 12 forgets that a type of a precompiled header is one of the system's, and warns of its visibility.
+  target_compile_options(${target} PRIVATE -Wno-attributes)
 endfunction()
 
 # gauntlet_unite(<target> <file>...)
