@@ -9,7 +9,7 @@ target_compile_features(gauntlet_options INTERFACE cxx_std_20)
 target_compile_options(gauntlet_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off)
 # Else Eigen asks the processor how large its caches are, and sums the terms of products in an order that depends on them.
 target_compile_definitions(gauntlet_options INTERFACE EIGEN_NO_CPUID)
-include(GauntletSanitizers)
+include(${CMAKE_CURRENT_LIST_DIR}/GauntletSanitizers.cmake)
 target_compile_options(gauntlet_options INTERFACE ${GAUNTLET_SANITIZER_FLAGS})
 target_link_options(gauntlet_options INTERFACE ${GAUNTLET_SANITIZER_FLAGS})
 # Promises of callers are checked (controller/assert.h), but neither in a release of what robots link, the
