@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
 
@@ -13,14 +12,13 @@
 #include "sim/base/fast_hash.h"
 #include "sim/base/hash.h"
 #include "sim/base/input_file.h"
+#include "sim/base/json.h"
 #include "sim/base/stop.h"
 
 namespace gauntlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kName = "manifest.json";
 constexpr const char* kScenario = "scenario.resolved.yaml";
 /// Increased whenever the format of the file changes.
@@ -71,7 +69,7 @@ void WriteManifest(const fs::path& file, const Content& content) {
   output.Commit();
 }
 
-/// None if the file does not exist. Errors: those of nlohmann::json; UserError.
+/// None if the file does not exist. Errors: JsonError; UserError.
 std::optional<Content> Read(const fs::path& file) {
   std::error_code ignored;
   if (const auto status = fs::status(file, ignored);
@@ -88,7 +86,7 @@ std::optional<Content> Read(const fs::path& file) {
   if (json.at("format").get<int>() != kFormat) throw of_another();
   Content content;
   content.finished = json.at("finished").get<bool>();
-  content.command = json.value("command", "");
+  content.command = json.value("command", "").get<std::string>();
   if (!json.contains("files")) return content;  // an unfinished manifest up to version 0.2.0
   const auto checksum =
       std::ranges::find(kChecksums, json.at("checksum").get<std::string>(), &Checksum::name);
@@ -108,7 +106,7 @@ std::optional<Content> Earlier(const fs::path& file) {
     return Read(file);
   } catch (const std::exception&) {
     std::ifstream text(file);
-    const Json json = Json::parse(text, nullptr, false);
+    const Json json = Json::parse_or_discard(text);
     if (!json.is_object() || json.empty() || json.contains("format")) return Content{};
     throw UserError({.place = file.string(),
                      .problem = "is no manifest of gauntlet; name another folder by --out"});
@@ -157,7 +155,7 @@ Manifest::Manifest(fs::path folder) : folder_(std::move(folder)) {
   std::optional<Content> content;
   try {
     content = Read(folder_ / kName);
-  } catch (const Json::exception&) {
+  } catch (const JsonError&) {
     throw UserError({.place = (folder_ / kName).string(),
                      .problem = "is damaged; run the same command again, or remove it"});
   }

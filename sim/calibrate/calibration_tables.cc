@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
+
+#include "sim/base/json.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -139,13 +140,12 @@ ResultText CalibrationText(const Calibration& calibration, const CurveErrors& er
 }
 
 std::string CalibrationJson(const Calibration& calibration, const CurveErrors& errors) {
-  nlohmann::ordered_json json = {
-      {"recording", calibration.recording},
-      {"samples", calibration.samples},
-      {"rate_hz", calibration.rate_hz},
-      {"degrees_of_freedom", calibration.degrees_of_freedom},
-      {"confidence_percent", calibration.confidence_percent},
-      {"channels", JsonOf(CalibrationTable(calibration, errors, CurveKind::kTable))}};
+  Json json = {{"recording", calibration.recording},
+               {"samples", calibration.samples},
+               {"rate_hz", calibration.rate_hz},
+               {"degrees_of_freedom", calibration.degrees_of_freedom},
+               {"confidence_percent", calibration.confidence_percent},
+               {"channels", JsonOf(CalibrationTable(calibration, errors, CurveKind::kTable))}};
   for (std::size_t i = 0; i < calibration.channels.size(); ++i) {
     json["channels"][i]["covariance_counts2"] = calibration.channels[i].covariance_counts2;
   }

@@ -6,8 +6,9 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <utility>
+
+#include "sim/base/json.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -256,12 +257,12 @@ ResultText ChainAnswer(const ChainResult& result, const IdentifiedChain& chain,
 
 std::string ChainJson(const ChainResult& result, const Verdict& verdict) {
   const ChainLog& log = result.log();
-  nlohmann::ordered_json json = {{"log", log.name},
-                                 {"samples", log.command_deg.rows()},
-                                 {"rate_hz", log.rate_hz},
-                                 {"angle_unit", log.unit_known ? "deg" : "unknown"},
-                                 {"verdict", JsonOf(verdict)},
-                                 {"parts", JsonOf(ChainTable(result))}};
+  Json json = {{"log", log.name},
+               {"samples", log.command_deg.rows()},
+               {"rate_hz", log.rate_hz},
+               {"angle_unit", log.unit_known ? "deg" : "unknown"},
+               {"verdict", JsonOf(verdict)},
+               {"parts", JsonOf(ChainTable(result))}};
   if (result.episodes.size() > 1) {
     json["samples"] = 0;
     for (const ChainLog& episode : result.episodes) {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "sim/base/json.h"
 #include "sim/calibrate/validation.h"
 
 namespace gauntlet::sim {
@@ -171,7 +171,7 @@ ResultText ValidationText(const Validation& validation) {
 
 std::string ValidationJson(const Validation& validation) {
   const ChainResult& identified = validation.identified;
-  const nlohmann::ordered_json json = {
+  const Json json = {
       {"log", identified.log().name},
       {"hand", validation.hand.empty() ? "one joint for each part" : validation.hand},
       {"episodes",

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <span>
 
 #include "sim/base/channels.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/json.h"
 #include "sim/base/nearest_name.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/standard_streams.h"
@@ -62,7 +62,7 @@ struct Entry {
   std::string name;
   std::string summary;
   std::vector<SettingRow> settings;
-  nlohmann::ordered_json facts = nlohmann::ordered_json::object();
+  Json facts = Json::object();
   std::vector<std::string> details = {};
 };
 
@@ -256,10 +256,10 @@ void PrintTopic(const Topic& topic) {
   }
 }
 
-nlohmann::ordered_json Json(const Topic& topic) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+Json JsonOf(const Topic& topic) {
+  Json json = Json::array();
   for (const Entry& entry : topic.entries()) {
-    nlohmann::ordered_json settings = nlohmann::ordered_json::array();
+    Json settings = Json::array();
     for (const SettingRow& row : entry.settings) {
       settings.push_back({{"key", row.key},
                           {"default", row.default_value},
@@ -276,8 +276,8 @@ nlohmann::ordered_json Json(const Topic& topic) {
 void List(const ListOptions& options) {
   if (options.what.empty()) {
     if (options.json) {
-      nlohmann::ordered_json all;
-      for (const Topic& topic : Topics()) all[topic.name] = Json(topic);
+      Json all;
+      for (const Topic& topic : Topics()) all[topic.name] = JsonOf(topic);
       Print("{}\n", all.dump(2));
       return;
     }
@@ -292,7 +292,7 @@ void List(const ListOptions& options) {
                      .problem = "unknown list" + Suggestion(options.what, AllNames(Topics()))});
   }
   if (options.json) {
-    Print("{}\n", Json(*topic).dump(2));
+    Print("{}\n", JsonOf(*topic).dump(2));
   } else {
     PrintTopic(*topic);
   }

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/json.h"
 #include "sim/base/manifest.h"
 #include "sim/base/output_file.h"
 #include "sim/base/output_folder.h"

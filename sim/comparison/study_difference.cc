@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 
+#include "sim/base/json.h"
 #include "sim/score/score.h"
 #include "sim/statistics/result_cells.h"
 
 namespace gauntlet::sim {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kVersions = "made_with.";
 constexpr double kRounding = 1e-9;

@@ -6,11 +6,10 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <variant>
 
 #include "sim/base/csv_line.h"
-#include "sim/base/json_number.h"
+#include "sim/base/json.h"
 #include "sim/base/mathematics.h"
 #include "sim/base/output_file.h"
 #include "sim/comparison/comparison_verdict.h"
@@ -25,8 +24,6 @@
 
 namespace gauntlet::sim {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Places in Metrics(). Those of links only where there are any.
 std::vector<std::size_t> WrittenMetrics(const StudyResult& result) {

@@ -1,15 +1,16 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "sim/comparison/summary.h"
 
 namespace gauntlet::sim {
 
+class Json;
+
 /// A difference as `scores.json` and the page have it. `replicates`: the key of their number.
-nlohmann::ordered_json JsonOf(const Comparison& comparison, const std::string& replicates);
+Json JsonOf(const Comparison& comparison, const std::string& replicates);
 /// "blocks" of a single recording, or "seeds".
 std::string ReplicatesOf(const Summary& summary);
 

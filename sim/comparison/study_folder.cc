@@ -7,7 +7,6 @@
 #include <array>
 #include <fstream>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -16,6 +15,7 @@
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
+#include "sim/base/json.h"
 #include "sim/base/manifest.h"
 #include "sim/base/text.h"
 #include "sim/scenario/scenario_reader.h"
@@ -162,7 +162,7 @@ bool HoldsComparison(const std::filesystem::path& folder) {
   std::error_code unreadable;
   if (!std::filesystem::is_regular_file(folder / "scores.json", unreadable)) return false;
   std::ifstream file(folder / "scores.json");
-  const auto scores = nlohmann::json::parse(file, nullptr, false);
+  const Json scores = Json::parse_or_discard(file);
   return scores.is_object() && scores.contains("seeds");
 }
 

@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
-#include "sim/base/json_number.h"
+#include "sim/base/json.h"
 #include "sim/base/text.h"
 #include "sim/device/binary_frames.h"
 #include "sim/device/device_clock.h"
@@ -67,13 +66,13 @@ class JsonEncoder : public FrameEncoder {
   explicit JsonEncoder(std::vector<std::string> names) : names_(std::move(names)) {}
 
   std::string Frame(const OutgoingFrame& frame) const override {
-    nlohmann::ordered_json object;
+    Json object;
     object[std::string(kNumberColumn)] = frame.number;
     object[std::string(kTimeColumn)] = static_cast<double>(frame.time_ns) * 1e-9;
     for (std::size_t i = 0; i < names_.size(); ++i) {
       object[names_[i]] = NumberOrNull(frame.values[i]);
     }
-    return object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    return object.dump(-1, Json::InvalidText::kReplaced) + "\n";
   }
 
  private:

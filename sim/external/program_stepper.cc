@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,17 +13,18 @@
 
 #include "controller/number.h"
 #include "sim/base/error.h"
+#include "sim/base/json.h"
 #include "sim/base/text.h"
 
 namespace gauntlet::sim {
 namespace {
 
 std::string HeaderOf(const FilterFacts& facts) {
-  nlohmann::ordered_json header;
+  Json header;
   header["rate_hz"] = facts.rate_hz;
   header["channel_count"] = facts.channels.size();
   header["channels"] = facts.channels;
-  header["parameters"] = nlohmann::ordered_json::object();
+  header["parameters"] = Json::object();
   for (const auto& [name, value] : facts.parameters) header["parameters"][name] = value;
   return header.dump() + "\n";
 }

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "sim/base/json.h"
 #include "sim/base/text.h"
 
 namespace gauntlet::sim {
@@ -176,30 +176,30 @@ std::string InspectionJson(const Inspection& inspection) {
         {ResultCell(array.name), ResultCell(static_cast<std::int64_t>(array.rows)),
          ResultCell(static_cast<std::int64_t>(array.columns)), ResultCell(array.is_taken)});
   }
-  const nlohmann::ordered_json json = {{"file", OneLine(inspection.file)},
-                                       {"format", NameOf(inspection.format)},
-                                       {"arrays", JsonOf(arrays)},
-                                       {"topics", JsonOf(TopicsTable(inspection.topics))},
-                                       {"separator", SeparatorText(layout.separator)},
-                                       {"decimal_comma", layout.decimal_comma},
-                                       {"skipped_lines", layout.skipped_lines},
-                                       {"rows", inspection.rows},
-                                       {"is_whole", inspection.is_whole},
-                                       {"has_time", inspection.has_time},
-                                       {"rate_hz", inspection.time.rate_hz},
-                                       {"rate_is_known", inspection.rate_is_known},
-                                       {"rate_is_assumed", inspection.rate_is_assumed},
-                                       {"duration_s", inspection.time.duration_s},
-                                       {"gaps", inspection.time.gaps},
-                                       {"restarts", inspection.time.restarts},
-                                       {"unit", NameOf(inspection.unit)},
-                                       {"unit_is_assumed", inspection.unit_is_assumed},
-                                       {"bits", inspection.bits},
-                                       {"summary", SummaryOf(inspection)},
-                                       {"question", inspection.question},
-                                       {"repairs", inspection.problems},
-                                       {"remarks", inspection.remarks},
-                                       {"columns", JsonOf(ColumnsTable(inspection, false))}};
+  const Json json = {{"file", OneLine(inspection.file)},
+                     {"format", NameOf(inspection.format)},
+                     {"arrays", JsonOf(arrays)},
+                     {"topics", JsonOf(TopicsTable(inspection.topics))},
+                     {"separator", SeparatorText(layout.separator)},
+                     {"decimal_comma", layout.decimal_comma},
+                     {"skipped_lines", layout.skipped_lines},
+                     {"rows", inspection.rows},
+                     {"is_whole", inspection.is_whole},
+                     {"has_time", inspection.has_time},
+                     {"rate_hz", inspection.time.rate_hz},
+                     {"rate_is_known", inspection.rate_is_known},
+                     {"rate_is_assumed", inspection.rate_is_assumed},
+                     {"duration_s", inspection.time.duration_s},
+                     {"gaps", inspection.time.gaps},
+                     {"restarts", inspection.time.restarts},
+                     {"unit", NameOf(inspection.unit)},
+                     {"unit_is_assumed", inspection.unit_is_assumed},
+                     {"bits", inspection.bits},
+                     {"summary", SummaryOf(inspection)},
+                     {"question", inspection.question},
+                     {"repairs", inspection.problems},
+                     {"remarks", inspection.remarks},
+                     {"columns", JsonOf(ColumnsTable(inspection, false))}};
   return json.dump(2) + "\n";
 }
 

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
 #include "controller/number.h"
+#include "sim/base/json.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -300,8 +300,8 @@ std::string KnownText(const LiveFacts& facts, const LiveContext& context) {
                     context.event_delay_ms);
 }
 
-nlohmann::ordered_json JsonOf(const DurationHistogram& times) {
-  nlohmann::ordered_json json;
+Json JsonOf(const DurationHistogram& times) {
+  Json json;
   json["count"] = times.count();
   if (times.count() == 0) return json;
   json["mean_us"] = times.mean_us();
@@ -309,19 +309,19 @@ nlohmann::ordered_json JsonOf(const DurationHistogram& times) {
     json[kQuantileKeys[i]] = times.Quantile_us(kQuantiles[i]);
   }
   json["max_us"] = times.max_us();
-  auto& steps = json["histogram_us"] = nlohmann::ordered_json::array();
+  auto& steps = json["histogram_us"] = Json::array();
   for (const auto& [step_us, count] : times.Steps()) steps.push_back({step_us, count});
   return json;
 }
 
-nlohmann::ordered_json JsonOf(const Trend& trend) {
+Json JsonOf(const Trend& trend) {
   if (std::isnan(trend.slope())) return nullptr;
   return {{"ms_per_minute", trend.slope()}, {"standard_error", trend.slope_error()}};
 }
 
-nlohmann::ordered_json JsonOfArrivals(const LiveFacts& facts) {
+Json JsonOfArrivals(const LiveFacts& facts) {
   const ArrivalFacts& arrivals = facts.arrivals;
-  nlohmann::ordered_json json = {
+  Json json = {
       {"frames", arrivals.frames},
       {"different", arrivals.different},
       {"frames_per_s", arrivals.PerSecond(arrivals.frames)},
@@ -418,9 +418,9 @@ ResultText ShadowText(const std::vector<ShadowScore>& scores, const std::string&
   return text;
 }
 
-nlohmann::ordered_json LiveJson(const LiveFacts& facts, const LiveContext& context,
-                                const std::vector<ShadowScore>& shadows) {
-  nlohmann::ordered_json json = {
+Json LiveJson(const LiveFacts& facts, const LiveContext& context,
+              const std::vector<ShadowScore>& shadows) {
+  Json json = {
       {"version", 1},
       {"scenario", context.scenario},
       {"controller", context.controller},
@@ -462,7 +462,7 @@ nlohmann::ordered_json LiveJson(const LiveFacts& facts, const LiveContext& conte
                   {"step_processor_time", JsonOf(facts.step_cpu)},
                   {"tick_work", JsonOf(facts.tick_work)}};
   if (facts.switch_count > 0) {
-    auto& list = json["switches"]["first"] = nlohmann::ordered_json::array();
+    auto& list = json["switches"]["first"] = Json::array();
     for (const Switched& switched : facts.switches) {
       list.push_back({{"time_s", switched.time_s},
                       {"controller", context.controllers[static_cast<std::size_t>(switched.to)]}});
@@ -476,7 +476,7 @@ nlohmann::ordered_json LiveJson(const LiveFacts& facts, const LiveContext& conte
   json["assumed"] = {{"event_delay_ms", context.event_delay_ms},
                      {"hand", context.has_motors ? "simulated beside the motors" : "simulated"}};
   if (!shadows.empty()) {
-    auto& list = json["controllers"] = nlohmann::ordered_json::array();
+    auto& list = json["controllers"] = Json::array();
     for (const ShadowScore& score : shadows) {
       list.push_back({{"controller", score.name},
                       {"drives", score.drives},

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -9,6 +8,8 @@
 #include "sim/results/table_text.h"
 
 namespace gauntlet::sim {
+
+class Json;
 
 /// What a report says besides the measurements.
 struct LiveContext {
@@ -47,7 +48,7 @@ ResultText LiveText(const LiveFacts& facts, const LiveContext& context);
 ResultText ShadowText(const std::vector<ShadowScore>& scores, const std::string& reference);
 
 /// `live.json`: the same as numbers, with the histograms.
-nlohmann::ordered_json LiveJson(const LiveFacts& facts, const LiveContext& context,
-                                const std::vector<ShadowScore>& shadows);
+Json LiveJson(const LiveFacts& facts, const LiveContext& context,
+              const std::vector<ShadowScore>& shadows);
 
 }  // namespace gauntlet::sim

@@ -7,7 +7,6 @@
 #include <cctype>
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/input_file.h"
+#include "sim/base/json.h"
 #include "sim/base/text.h"
 #include "sim/recordings/damaged_file.h"
 
@@ -22,8 +22,6 @@ namespace gauntlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 constexpr std::string_view kEnd = "---";  // a line behind each message
 
 /// `header` in the line `header: `; empty for a line of another kind, or with blanks before it.
@@ -107,7 +105,7 @@ class EchoFile : public MessageFile {
       } catch (const YAML::Exception& error) {
         FailAsDamaged(fmt::format("message {} is no YAML: {}", number, OneLine(error.msg, 60)));
       }
-      visit(0, value.dump(-1, ' ', false, Json::error_handler_t::replace));
+      visit(0, value.dump(-1, Json::InvalidText::kReplaced));
     });
   }
 

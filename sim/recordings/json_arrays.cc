@@ -6,19 +6,17 @@
 #include <cctype>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
+#include "sim/base/json.h"
 #include "sim/recordings/missing.h"
 #include "sim/recordings/time_text.h"
 
 namespace gauntlet::sim {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr int kDeepest = 100;
 constexpr std::size_t kMostColumns = 1000;
@@ -32,7 +30,7 @@ std::optional<double> NumberOf(const Json& value) {
   if (value.is_boolean()) return value.get<bool>() ? 1.0 : 0.0;
   if (value.is_null()) return kMissing;
   if (!value.is_string()) return std::nullopt;
-  const auto& text = value.get_ref<const std::string&>();
+  const auto text = value.get<std::string>();
   const auto number = NumberOrMissing(text);
   return number ? number : SecondsOfText(text);
 }
@@ -153,7 +151,7 @@ void Collect(const std::string& path, const Json& value, int depth,
 }  // namespace
 
 std::vector<NamedArray> ReadJsonArrays(std::string_view text) {
-  const Json whole = Json::parse(text, nullptr, false);
+  const Json whole = Json::parse_or_discard(text);
   std::vector<NamedArray> arrays;
   if (!whole.is_discarded()) {
     Collect("", whole, 0, arrays);
@@ -164,7 +162,7 @@ std::vector<NamedArray> ReadJsonArrays(std::string_view text) {
   for (const std::string_view line : SplitLines(text)) {
     ++line_number;
     if (Trimmed(line).empty()) continue;
-    const Json row = Json::parse(line, nullptr, false);
+    const Json row = Json::parse_or_discard(line);
     if (row.is_discarded()) {
       throw UserError(fmt::format("is no JSON, nor is its line {} alone", line_number));
     }
@@ -174,7 +172,7 @@ std::vector<NamedArray> ReadJsonArrays(std::string_view text) {
 }
 
 std::vector<NamedArray> ReadJsonRow(std::string_view text) {
-  const Json value = Json::parse(text, nullptr, false);
+  const Json value = Json::parse_or_discard(text);
   if (value.is_discarded()) throw UserError("is no JSON");
   RowCollector row;
   row.AddRow(value);
@@ -183,9 +181,9 @@ std::vector<NamedArray> ReadJsonRow(std::string_view text) {
 
 DatasetInfo ReadDatasetInfo(std::string_view text) {
   DatasetInfo found;
-  const Json whole = Json::parse(text, nullptr, false);
+  const Json whole = Json::parse_or_discard(text);
   if (!whole.is_object() || !whole.contains("features")) return found;
-  if (whole.contains("fps") && whole["fps"].is_number()) found.rate_hz = whole["fps"];
+  if (whole.contains("fps") && whole["fps"].is_number()) found.rate_hz = whole["fps"].get<double>();
   for (const auto& [name, feature] : whole["features"].items()) {
     if (!feature.is_object() || !feature.contains("names")) continue;
     const Json* names = &feature["names"];

@@ -9,9 +9,9 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
-#include <nlohmann/json.hpp>
 
 #include "sim/base/error.h"
+#include "sim/base/json.h"
 #include "sim/base/text.h"
 #include "sim/recordings/byte_reader.h"
 #include "sim/recordings/damaged_file.h"
@@ -257,10 +257,10 @@ class MessageRows::Cdr {
 /// Reads one message of JSON.
 class MessageRows::Json {
  public:
-  using Value = nlohmann::ordered_json;
+  using Value = sim::Json;
 
   Json(MessageRows& rows, std::string_view message) : rows_(rows) {
-    const Value value = Value::parse(message, nullptr, false);
+    const Value value = Value::parse_or_discard(message);
     if (value.is_discarded()) FailAsDamaged("a message is no JSON");
     Read("", value, *rows.root_, 0);
   }

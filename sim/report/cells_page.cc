@@ -5,10 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "sim/base/chart_scale.h"
-#include "sim/base/json_number.h"
+#include "sim/base/json.h"
 #include "sim/figure/palette.h"
 #include "sim/report/assets.h"
 #include "sim/report/front_chart.h"
@@ -92,10 +91,8 @@ std::vector<ChartPoint> PointsOf(const CellPoints& gathered, const std::vector<C
 }
 
 /// The data of one point for the scripts of the page.
-nlohmann::ordered_json PointJson(const CellPoints& gathered, const CellPoint& kept,
-                                 const ChartPoint& point) {
-  nlohmann::ordered_json json = {
-      {"name", kept.name}, {"yaml", kept.yaml}, {"command", kept.command}};
+Json PointJson(const CellPoints& gathered, const CellPoint& kept, const ChartPoint& point) {
+  Json json = {{"name", kept.name}, {"yaml", kept.yaml}, {"command", kept.command}};
   for (const double place : point.places) {
     json["places"].push_back(NumberOrNull(std::round(1000.0 * place) / 1000.0));
   }
@@ -175,7 +172,7 @@ std::string CellsPage(const CellPoints& gathered, const CellsPageTexts& texts) {
   const std::vector<std::size_t> scores = DrawnScores(gathered);
   const std::vector<ChartAxis> axes = AxesOf(gathered, scores);
   const std::vector<ChartPoint> points = PointsOf(gathered, axes, scores);
-  nlohmann::ordered_json data = nlohmann::ordered_json::array();
+  Json data = Json::array();
   for (std::size_t i = 0; i < points.size(); ++i) {
     data.push_back(PointJson(gathered, gathered.kept()[i].point, points[i]));
   }

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
+#include "sim/base/json.h"
 #include "sim/figure/palette.h"
 #include "sim/hand/camera_view.h"
 #include "sim/report/assets.h"
@@ -14,16 +13,15 @@ namespace gauntlet::sim {
 namespace {
 
 std::string DataOf(const Study& study, const LiveSetup& setup) {
-  nlohmann::ordered_json data = {
-      {"hand", HandData(*study.hand, CameraViewOf(study.scenario.video.camera).camera)},
-      {"channels", study.calibration.channel_names},
-      {"joints", study.hand->joint_names()},
-      {"stages", nlohmann::ordered_json::array()},
-      {"controllers", {setup.trial.controller_name}},
-      {"has_motors", setup.sink != nullptr}};
+  Json data = {{"hand", HandData(*study.hand, CameraViewOf(study.scenario.video.camera).camera)},
+               {"channels", study.calibration.channel_names},
+               {"joints", study.hand->joint_names()},
+               {"stages", Json::array()},
+               {"controllers", {setup.trial.controller_name}},
+               {"has_motors", setup.sink != nullptr}};
   for (const StageName& stage : kStageNames) data["stages"].push_back(stage.text);
   for (const ShadowSetup& shadow : setup.shadows) data["controllers"].push_back(shadow.name);
-  auto& rest = data["rest_deg"] = nlohmann::ordered_json::array();
+  auto& rest = data["rest_deg"] = Json::array();
   for (const double angle_rad : study.hand->transmission().reference_angle_rad) {
     rest.push_back(angle_rad * kDegPerRad);
   }

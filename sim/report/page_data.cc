@@ -4,7 +4,7 @@
 #include <numeric>
 #include <string>
 
-#include "sim/base/json_number.h"
+#include "sim/base/json.h"
 #include "sim/comparison/comparison_verdict.h"
 #include "sim/comparison/decisive_second.h"
 #include "sim/comparison/study_files.h"
@@ -16,8 +16,6 @@
 
 namespace gauntlet::sim {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json Estimates(const std::vector<MeanInterval>& estimates) {
   Json json = Json::array();
@@ -203,7 +201,7 @@ void FirstSeed::Add(const WayOfAngles& way, const Signal& hand_rad) {
                          .command = CurvesOf(way.command, samples_per_bucket)});
 }
 
-nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& first_seed) {
+Json PageData(const FinishedStudy& finished, const FirstSeed& first_seed) {
   const StudyResult& result = finished.result;
   const Summary& summary = finished.summary;
   Json json;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +10,8 @@
 #include "sim/trial/joint_angles.h"
 
 namespace gauntlet::sim {
+
+class Json;
 
 /// What the page shows of the traces of the first seed; empty if none were kept, and then it has
 /// neither curves nor latencies. Of a signal only its curves are kept, which are short however long
@@ -42,6 +43,6 @@ struct FirstSeed {
 /// Everything that the scripts of a report page show, besides the settings: scores of controllers,
 /// joints, motors and cables with intervals, ranks and marks, and latencies and curves of the first
 /// seed.
-nlohmann::ordered_json PageData(const FinishedStudy& finished, const FirstSeed& first_seed);
+Json PageData(const FinishedStudy& finished, const FirstSeed& first_seed);
 
 }  // namespace gauntlet::sim

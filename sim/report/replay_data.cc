@@ -5,14 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/json.h"
 #include "sim/hand/camera_view.h"
 #include "sim/hand/hand_shapes.h"
 #include "sim/report/curve_codec.h"
 
 namespace gauntlet::sim {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr double kObjectRate_hz = 50.0;
 constexpr double kObjectStep = 1e-4;  // of positions [m] and of the numbers of a quaternion

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "sim/comparison/summary.h"
@@ -8,13 +7,15 @@
 
 namespace gauntlet::sim {
 
+class Json;
+
 /// Shapes, hinges and cables of a hand, and a camera of the model: what hand_scene.js draws.
 /// Lengths in m, angles in deg.
-nlohmann::ordered_json HandData(const HandModel& hand, const std::string& camera);
+Json HandData(const HandModel& hand, const std::string& camera);
 
 /// What the page needs, besides its curves, to move the hand: the hand's shapes, hinges and cables,
 /// where joints stand that are not measured (their mean, as they only hold a posture), and the way
 /// of an object. Lengths in m, angles in deg. Null where there is no hand or no trace was kept.
-nlohmann::ordered_json ReplayData(const FinishedStudy& finished);
+Json ReplayData(const FinishedStudy& finished);
 
 }  // namespace gauntlet::sim

@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include "sim/base/json.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -52,9 +53,8 @@ std::string EscapeHtml(std::string_view text) {
   return out;
 }
 
-std::string JsonForScript(const nlohmann::ordered_json& json) {
-  const std::string text =
-      json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+std::string JsonForScript(const Json& json) {
+  const std::string text = json.dump(-1, Json::InvalidText::kReplaced);
   std::string out;
   out.reserve(text.size());
   // Outside of strings JSON has none of these three, so an escape is always in its place.

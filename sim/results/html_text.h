@@ -1,7 +1,6 @@
 #pragma once
 
 #include <map>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 
@@ -9,12 +8,14 @@
 
 namespace gauntlet::sim {
 
+class Json;
+
 /// Text as it stands between tags or in a quoted attribute of HTML: & < > " ' are escaped.
 std::string EscapeHtml(std::string_view text);
 
 /// JSON that may stand inside <script>: no `<`, `>` or `&` is left, so nothing in it can end the
 /// element or open a comment. Bytes that are not UTF-8 become the replacement character.
-std::string JsonForScript(const nlohmann::ordered_json& json);
+std::string JsonForScript(const Json& json);
 
 /// `page` with every `{{name}}` replaced by its value, in one pass: what a value holds is never
 /// looked at again. Errors: std::logic_error for a name without a value.

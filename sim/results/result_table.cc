@@ -3,17 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "controller/assert.h"
 #include "sim/base/csv_line.h"
-#include "sim/base/json_number.h"
+#include "sim/base/json.h"
 #include "sim/results/table_text.h"
 
 namespace gauntlet::sim {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 template <class... Visitors>
 struct Overloaded : Visitors... {

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,6 +9,8 @@
 #include <vector>
 
 namespace gauntlet::sim {
+
+class Json;
 
 /// A value of a result as files have it. std::monostate: there is none. JSON leaves it out, and has
 /// null for a number that is not finite; a CSV field is empty in both cases.
@@ -82,9 +83,9 @@ ResultColumn OnlyInCsv(const std::string& key);
 ResultColumn OnlyInJson(const std::string& key);
 
 /// A row as an object: {"controller": "raw", "scores": {"delay_ms": {"mean": 3.1}}}.
-nlohmann::ordered_json JsonOf(const std::vector<ResultColumn>& columns, const ResultRow& row);
+Json JsonOf(const std::vector<ResultColumn>& columns, const ResultRow& row);
 /// All rows as an array.
-nlohmann::ordered_json JsonOf(const ResultTable& table);
+Json JsonOf(const ResultTable& table);
 
 /// The head and a row of a CSV table, with the end of the line.
 std::string CsvHead(const std::vector<ResultColumn>& columns);

@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
+
+#include "sim/base/json.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -15,8 +16,8 @@ namespace {
 /// Key of what the answer rests on, which stands before it.
 constexpr std::string_view kAssumed = "assumed";
 
-nlohmann::ordered_json JsonOfRemarks(const std::vector<VerdictRemark>& remarks) {
-  auto json = nlohmann::ordered_json::array();
+Json JsonOfRemarks(const std::vector<VerdictRemark>& remarks) {
+  auto json = Json::array();
   for (const VerdictRemark& remark : remarks) {
     json.push_back({{"key", remark.key}, {"text", remark.text}});
   }
@@ -78,12 +79,12 @@ std::string Verdict::Text() const {
   return fmt::format("{}", fmt::join(sentences, " "));
 }
 
-nlohmann::ordered_json JsonOf(const Verdict& verdict) {
-  nlohmann::ordered_json json = {{"version", 1},
-                                 {"recommended", nullptr},
-                                 {"alternatives", verdict.alternatives},
-                                 {"reasons", JsonOfRemarks(verdict.reasons)},
-                                 {"warnings", JsonOfRemarks(verdict.warnings)}};
+Json JsonOf(const Verdict& verdict) {
+  Json json = {{"version", 1},
+               {"recommended", nullptr},
+               {"alternatives", verdict.alternatives},
+               {"reasons", JsonOfRemarks(verdict.reasons)},
+               {"warnings", JsonOfRemarks(verdict.warnings)}};
   if (!verdict.recommended.empty()) json["recommended"] = verdict.recommended;
   return json;
 }

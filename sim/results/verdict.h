@@ -1,10 +1,11 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 namespace gauntlet::sim {
+
+class Json;
 
 /// A sentence of a verdict. `key`: what it is about, for programs.
 struct VerdictRemark {
@@ -40,6 +41,6 @@ struct Verdict {
 
 /// {"version": 1, "recommended": .., "alternatives": [..], "reasons": [{"key", "text"}],
 /// "warnings": [{"key", "text"}]}.
-nlohmann::ordered_json JsonOf(const Verdict& verdict);
+Json JsonOf(const Verdict& verdict);
 
 }  // namespace gauntlet::sim

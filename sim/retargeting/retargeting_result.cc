@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <utility>
 
 #include "sim/base/csv_line.h"
+#include "sim/base/json.h"
 #include "sim/base/quantile.h"
 #include "sim/base/signal.h"
 
@@ -211,17 +211,17 @@ std::string RetargetedJson(const FingertipMotion& motion, const HandKinematics& 
     joints.rows.push_back(
         {ResultCell(retargeted.joints[i]), ResultCell(retargeted.share_at_limit[i])});
   }
-  nlohmann::ordered_json json = {{"recording", motion.file},
-                                 {"from", motion.hand},
-                                 {"hand", hand.file()},
-                                 {"frames", retargeted.frames},
-                                 {"frames_missing", std::ranges::count(motion.is_missing, true)},
-                                 {"overlap_share", nullptr},
-                                 {"copied_overlap_share", nullptr},
-                                 {"fastest_deg_s", retargeted.fastest_rad_s * kDegPerRad},
-                                 {"frames_at_speed_limit", retargeted.frames_at_most_speed},
-                                 {"digits", JsonOf(DigitTable(retargeted))},
-                                 {"joints", JsonOf(joints)}};
+  Json json = {{"recording", motion.file},
+               {"from", motion.hand},
+               {"hand", hand.file()},
+               {"frames", retargeted.frames},
+               {"frames_missing", std::ranges::count(motion.is_missing, true)},
+               {"overlap_share", nullptr},
+               {"copied_overlap_share", nullptr},
+               {"fastest_deg_s", retargeted.fastest_rad_s * kDegPerRad},
+               {"frames_at_speed_limit", retargeted.frames_at_most_speed},
+               {"digits", JsonOf(DigitTable(retargeted))},
+               {"joints", JsonOf(joints)}};
   if (hand.has_capsules()) json["overlap_share"] = ShareAbove(retargeted.overlap_m, kDeepOverlap_m);
   if (std::isfinite(copied_overlap_share)) json["copied_overlap_share"] = copied_overlap_share;
   return json.dump(2) + "\n";

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "sim/base/json.h"
 #include "sim/comparison/comparison_verdict.h"
 #include "sim/statistics/result_cells.h"
 
@@ -204,17 +204,17 @@ std::string TornadoCsv(const RobustPlan& plan, const RobustResult& result) {
 }
 
 std::string RobustJson(const RobustPlan& plan, const RobustResult& result) {
-  nlohmann::ordered_json json = {{"scenario", plan.sweep.file.name},
-                                 {"question", plan.sweep.file.question},
-                                 {"hands", plan.hands},
-                                 {"within_percent", plan.within_percent},
-                                 {"seeds", plan.sweep.file.seeds},
-                                 {"parameters", nlohmann::ordered_json::array()},
-                                 {"not_varied", plan.not_varied},
-                                 {"not_built", result.not_built},
-                                 {"failed", result.failed},
-                                 {"verdict", JsonOf(VerdictOf(plan, result))},
-                                 {"scores", nlohmann::ordered_json::array()}};
+  Json json = {{"scenario", plan.sweep.file.name},
+               {"question", plan.sweep.file.question},
+               {"hands", plan.hands},
+               {"within_percent", plan.within_percent},
+               {"seeds", plan.sweep.file.seeds},
+               {"parameters", Json::array()},
+               {"not_varied", plan.not_varied},
+               {"not_built", result.not_built},
+               {"failed", result.failed},
+               {"verdict", JsonOf(VerdictOf(plan, result))},
+               {"scores", Json::array()}};
   for (const RobustParameter& parameter : plan.parameters) {
     json["parameters"].push_back({{"name", parameter.name}, {"is", parameter.help}});
   }

@@ -4,17 +4,15 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "sim/base/data_folder.h"
+#include "sim/base/json.h"
 #include "sim/settings/yaml_writer.h"
 #include "sim/statistics/result_cells.h"
 
 namespace gauntlet::sim {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// The scores of a setting with intervals, and the rest that is known of it.
 std::vector<ResultColumn> ScoreColumns(const std::vector<std::size_t>& metrics) {

@@ -4,9 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
-#include "sim/base/json_number.h"
+#include "sim/base/json.h"
 #include "sim/results/table_text.h"
 #include "sim/score/metrics.h"
 
@@ -74,7 +73,7 @@ ResultCell CellOf(const MeanInterval& difference, std::string_view verdict) {
                                                               : verdict)};
 }
 
-nlohmann::ordered_json JsonOf(const MeanInterval& interval) {
+Json JsonOf(const MeanInterval& interval) {
   return {{"mean", NumberOrNull(interval.mean)},
           {"ci95_low", NumberOrNull(interval.low)},
           {"ci95_high", NumberOrNull(interval.high)}};

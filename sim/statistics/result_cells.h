@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/json.h"
 #include "sim/results/result_table.h"
 #include "sim/statistics/judgement.h"
 #include "sim/statistics/statistics.h"
@@ -37,6 +38,6 @@ ResultCell CellOf(const MeanInterval& interval);
 ResultCell CellOf(const MeanInterval& difference, std::string_view verdict);
 
 /// {"mean", "ci95_low", "ci95_high"}.
-nlohmann::ordered_json JsonOf(const MeanInterval& interval);
+Json JsonOf(const MeanInterval& interval);
 
 }  // namespace gauntlet::sim

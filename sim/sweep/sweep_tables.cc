@@ -5,16 +5,14 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "sim/base/data_folder.h"
+#include "sim/base/json.h"
 #include "sim/base/shell_word.h"
 #include "sim/statistics/result_cells.h"
 
 namespace gauntlet::sim {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::vector<ResultColumn> CellColumns(const SweepPlan& plan, bool some_stopped) {
   std::vector<ResultColumn> columns = {{"cell", "no."}, {"controller", "controller"}};

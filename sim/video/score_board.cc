@@ -4,17 +4,15 @@
 
 #include <algorithm>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <string_view>
 
 #include "sim/base/error.h"
+#include "sim/base/json.h"
 #include "sim/figure/palette.h"
 
 namespace gauntlet::sim {
 namespace {
-
-using nlohmann::json;
 
 /// A column: a metric, and how its numbers are written.
 struct Column {
@@ -28,12 +26,12 @@ constexpr Column kColumns[] = {{"tracking error", "tracking_rmse_deg", 2, "°"},
                                {"delay", "delay_ms", 0, " ms"},
                                {"jitter", "jitter_rms_deg", 3, "°"}};
 
-bool Holds(const json& names, std::string_view name) {
-  return std::ranges::any_of(names, [&](const json& one) { return one == name; });
+bool Holds(const Json& names, std::string_view name) {
+  return std::ranges::any_of(names, [&](const Json& one) { return one == name; });
 }
 
 /// The difference to the best and half of the interval that decides, as the table shows them.
-std::string DetailOf(const json& difference, bool as_good, const Column& column) {
+std::string DetailOf(const Json& difference, bool as_good, const Column& column) {
   if (!difference.at("mean").is_number()) return "best";
   const double half =
       0.5 * (difference.at("high").get<double>() - difference.at("low").get<double>());
@@ -42,9 +40,9 @@ std::string DetailOf(const json& difference, bool as_good, const Column& column)
                      as_good ? "equivalent" : difference.at("verdict").get<std::string>());
 }
 
-ScoreBoardCell CellOf(const json& controller, const Column& column, bool one_run) {
-  const json& score = controller.at("summary").at(column.metric);
-  const json& mean = score.is_object() ? score.at("mean") : score;  // a run has the value itself
+ScoreBoardCell CellOf(const Json& controller, const Column& column, bool one_run) {
+  const Json& score = controller.at("summary").at(column.metric);
+  const Json& mean = score.is_object() ? score.at("mean") : score;  // a run has the value itself
   if (!mean.is_number()) return {.value = "–", .detail = {}};
   ScoreBoardCell cell = {
       .value = fmt::format("{:.{}f}{}", mean.get<double>(), column.decimals, column.unit),
@@ -65,14 +63,14 @@ struct Replicates {
   bool are_blocks = false;
 };
 
-Replicates ReplicatesIn(const json& scores) {
+Replicates ReplicatesIn(const Json& scores) {
   if (!scores.contains("seeds")) return {.count = 1};
-  const json blocks = scores.value("blocks", json::object()).value("replicates", json::array());
+  const Json blocks = scores.value("blocks", Json::object()).value("replicates", Json::array());
   if (!blocks.empty()) return {.count = blocks.size(), .are_blocks = true};
   return {.count = scores.at("seeds").size()};
 }
 
-std::string RemarkOf(const json& scores, bool one_run) {
+std::string RemarkOf(const Json& scores, bool one_run) {
   if (one_run) return "One run: no confidence interval.";
   const std::string baseline =
       scores.at("baseline").is_string()
@@ -87,19 +85,19 @@ std::string RemarkOf(const json& scores, bool one_run) {
 }
 
 /// The sentences of the verdict, without its warnings.
-std::string AnswerOf(const json& scores) {
+std::string AnswerOf(const Json& scores) {
   std::string text;
-  for (const json& reason :
-       scores.value("verdict", json::object()).value("reasons", json::array())) {
+  for (const Json& reason :
+       scores.value("verdict", Json::object()).value("reasons", Json::array())) {
     if (!text.empty()) text += ' ';
     text += reason.at("text").get<std::string>();
   }
   return text;
 }
 
-json JsonIn(const std::filesystem::path& file) {
+Json JsonIn(const std::filesystem::path& file) {
   std::ifstream stream(file);
-  return json::parse(stream);
+  return Json::parse(stream);
 }
 
 [[noreturn]] void FailOf(const std::filesystem::path& file) {
@@ -115,17 +113,20 @@ Excerpt SlowMotionOf(const DecisiveSecond& second) {
 
 VideoPlan ReadVideoPlan(const std::filesystem::path& file) {
   try {
-    const json scores = JsonIn(file);
+    const Json scores = JsonIn(file);
     VideoPlan plan;
     std::vector<std::string> names;
-    for (const json& controller : scores.at("controllers")) names.push_back(controller.at("name"));
-    const json baseline = scores.value("baseline", json());
+    for (const Json& controller : scores.at("controllers")) {
+      names.push_back(controller.at("name").get<std::string>());
+    }
+    const Json baseline = scores.value("baseline", Json());
     // Older versions wrote no order.
-    for (const std::string& name : scores.value("order", names)) {
+    for (const std::string& name : scores.value("order", names).get<std::vector<std::string>>()) {
       const auto of = std::ranges::find_if(scores.at("controllers"),
-                                           [&](const json& one) { return one.at("name") == name; });
+                                           [&](const Json& one) { return one.at("name") == name; });
       if (of == scores.at("controllers").end()) FailOf(file);
-      plan.controllers.push_back({.name = name, .role = of->value("role", ""), .series = 0});
+      plan.controllers.push_back(
+          {.name = name, .role = of->value("role", "").get<std::string>(), .series = 0});
     }
     std::vector<std::size_t> places(plan.controllers.size());
     std::iota(places.begin(), places.end(), std::size_t{0});
@@ -134,14 +135,14 @@ VideoPlan ReadVideoPlan(const std::filesystem::path& file) {
     const std::vector<std::size_t> series =
         SeriesOf(places, static_cast<std::size_t>(first - plan.controllers.begin()));
     for (const std::size_t i : places) plan.controllers[i].series = series[i];
-    plan.shown = scores.value("shown", std::vector<std::string>());
-    const json second = scores.value("decisive_second", json());
+    plan.shown = scores.value("shown", Json::array()).get<std::vector<std::string>>();
+    const Json second = scores.value("decisive_second", Json());
     if (second.is_object()) {
       plan.again = SlowMotionOf(
           {.from_s = second.at("from_s").get<double>(), .to_s = second.at("to_s").get<double>()});
     }
     return plan;
-  } catch (const json::exception&) {
+  } catch (const JsonError&) {
     FailOf(file);
   }
 }
@@ -149,15 +150,15 @@ VideoPlan ReadVideoPlan(const std::filesystem::path& file) {
 ScoreBoard ReadScoreBoard(const std::filesystem::path& file,
                           const std::vector<std::string>& controllers) {
   try {
-    const json scores = JsonIn(file);
+    const Json scores = JsonIn(file);
     const bool one_run = ReplicatesIn(scores).count < 2;
     ScoreBoard verdict = {
         .answer = AnswerOf(scores), .columns = {}, .rows = {}, .remark = RemarkOf(scores, one_run)};
     for (const Column& column : kColumns) verdict.columns.emplace_back(column.title);
     for (const std::string& name : controllers) {
-      const json& all = scores.at("controllers");
+      const Json& all = scores.at("controllers");
       const auto found =
-          std::ranges::find_if(all, [&](const json& one) { return one.at("name") == name; });
+          std::ranges::find_if(all, [&](const Json& one) { return one.at("name") == name; });
       if (found == all.end())
         throw UserError({.place = file.string(), .problem = "has no controller " + name});
       ScoreBoardRow row = {.controller = name, .cells = {}};
@@ -165,7 +166,7 @@ ScoreBoard ReadScoreBoard(const std::filesystem::path& file,
       verdict.rows.push_back(std::move(row));
     }
     return verdict;
-  } catch (const json::exception&) {
+  } catch (const JsonError&) {
     FailOf(file);
   }
 }

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <nlohmann/json.hpp>
 
+#include "sim/base/json.h"
 #include "tests/comparison/simulated_comparisons.h"
 
 namespace gauntlet::sim {

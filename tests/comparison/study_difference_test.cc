@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "sim/base/json.h"
 #include "sim/score/score.h"
 
 namespace gauntlet::sim {
@@ -175,10 +175,10 @@ TEST(StudyDifferenceJson, HoldsEveryScore) {
   const StudyFolder a = Folder(5.0, 1, 4);
   StudyFolder b = Folder(4.0, 1, 4);
   b.scenario.seed = 2;
-  const auto json = nlohmann::json::parse(StudyDifferenceJson(a, b, CompareStudies(a, b)));
+  const auto json = Json::parse(StudyDifferenceJson(a, b, CompareStudies(a, b)));
   EXPECT_EQ(json["same"], false);
   EXPECT_EQ(json["method"], "paired");
-  EXPECT_EQ(json["settings"][0], nlohmann::json::parse(R"({"key": "seed", "a": "1", "b": "2"})"));
+  EXPECT_EQ(json["settings"][0], Json::parse(R"({"key": "seed", "a": "1", "b": "2"})"));
   ASSERT_EQ(json["scores"].size(), Metrics().size());
   EXPECT_EQ(json["scores"][0]["metric"], Metrics()[0].key);
   EXPECT_EQ(json["scores"][0]["change"], "better");

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/base/json.h"
 #include "sim/report/curve_codec.h"
 #include "sim/report/report_page.h"
 #include "sim/results/html_text.h"
@@ -10,8 +11,6 @@
 
 namespace gauntlet::sim {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json Data(const test::MadeUpStudy& made) { return PageData(made, made.first_seed()); }
 
@@ -62,8 +61,9 @@ TEST(PageData, CurvesAreTheTracesInDegrees) {
   const test::MadeUpStudy made = test::MakeUpStudy({});
   const Json curves = Data(made)["curves"];
   EXPECT_EQ(curves["samples_per_bucket"], 1);
-  const std::vector<double> hand = test::DecodeCurve(
-      curves["channels"][1]["controllers"][2]["hand"].get<std::string>(), curves["step_deg"]);
+  const std::vector<double> hand =
+      test::DecodeCurve(curves["channels"][1]["controllers"][2]["hand"].get<std::string>(),
+                        curves["step_deg"].get<double>());
   const Signal& expected = made.hand_rad[2];
   ASSERT_EQ(static_cast<Eigen::Index>(hand.size()), expected.rows());
   for (Eigen::Index k = 0; k < expected.rows(); ++k) {
@@ -95,7 +95,7 @@ TEST(PageData, TakesAHandThatWasStoppedEarly) {
   made.summary.controllers[1].problem = "at 0.1 s: bad value in qacc (dof 12)";
   const Json data = Data(made);
   EXPECT_EQ(data["controllers"][1]["problem"], "at 0.1 s: bad value in qacc (dof 12)");
-  const std::string hand = data["curves"]["channels"][0]["controllers"][1]["hand"];
+  const auto hand = data["curves"]["channels"][0]["controllers"][1]["hand"].get<std::string>();
   EXPECT_EQ(test::DecodeCurve(hand, kCurveStepDeg).size(), 100U);
 }
 

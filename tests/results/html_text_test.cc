@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include "sim/base/json.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -15,18 +16,18 @@ TEST(EscapeHtml, LeavesNothingThatMarkupIsMadeOf) {
 }
 
 TEST(JsonForScript, CannotEndItsElementAndReadsBackTheSame) {
-  nlohmann::ordered_json json;
+  Json json;
   json["</script><script>alert(1)</script>"] = "<!-- & \" \\ \xE2\x80\xA8 ±";
   const std::string text = JsonForScript(json);
   EXPECT_EQ(text.find_first_of("<>&"), std::string::npos);
-  EXPECT_EQ(nlohmann::ordered_json::parse(text), json);
+  EXPECT_EQ(Json::parse(text), json);
 }
 
 TEST(JsonForScript, ReplacesBytesThatAreNotUtf8) {
-  const nlohmann::ordered_json json =
+  const Json json =
       "a\xFF"
       "b";
-  EXPECT_EQ(nlohmann::json::parse(JsonForScript(json)).get<std::string>(),
+  EXPECT_EQ(Json::parse(JsonForScript(json)).get<std::string>(),
             "a\xEF\xBF\xBD"
             "b");
 }

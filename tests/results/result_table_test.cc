@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "controller/number.h"
+#include "sim/base/json.h"
 #include "sim/results/html_text.h"
 #include "sim/results/table_text.h"
 
@@ -40,12 +40,12 @@ TEST(ResultTable, IsWrittenAsCsvWithAColumnPerPart) {
 }
 
 TEST(ResultTable, IsWrittenAsJsonWithoutWhatIsNotThere) {
-  const auto expected = nlohmann::json::parse(R"([
+  const auto expected = Json::parse(R"([
     {"name": "raw, \"as it is\"", "settings": {"filter.q": "0.1"},
      "scores": {"delay_ms": {"mean": 3.125, "ci95_low": 3.0}}},
     {"name": "kalman", "settings": {"filter.q": "2"}, "scores": {"delay_ms": {"mean": null}},
      "problem": "stopped"}])");
-  EXPECT_EQ(nlohmann::json::parse(JsonOf(Filters()).dump()), expected);
+  EXPECT_EQ(Json::parse(JsonOf(Filters()).dump()), expected);
 }
 
 TEST(ResultTable, IsShownToPeopleWithTheColumnsThatHaveAHeading) {
