@@ -68,8 +68,8 @@ function(gauntlet_optimise target folder)
 endfunction()
 
 # gauntlet_unite(<target> <file>...)
-# Compiles each ten sources of the target as one, if such builds are wanted. The files named here, whose
-# own names are those of other sources, are one by themselves; AND begins another one.
+# Compiles each ten sources of the target as one, if such builds are wanted. The files named here are one by themselves;
+# AND begins another one.
 function(gauntlet_unite target)
   if(NOT GAUNTLET_UNITY_BUILD)
     return()
@@ -97,8 +97,8 @@ endfunction()
 #                      [APART <file>... [AND <file>...]...] [EITHER])
 # Makes the static library gauntlet_<folder>, included from the project's root.
 # COMPUTING: sources that are optimised in a release, of a room that is not.
-# APART: sources whose own names are those of another one, so that they cannot be compiled as one: see
-# gauntlet_unite().
+# APART: sources whose own names are those of another one, so that they cannot be compiled as one, or that take too long
+# and too much memory with nine others: see gauntlet_unite().
 # EITHER: static or shared, as BUILD_SHARED_LIBS says, where the simulation, which uses more than a shared
 # library shows, is not built.
 function(gauntlet_add_library folder)
