@@ -3,10 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <random>
 #include <utility>
+
+#include "tests/support/gram_schmidt.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -46,14 +47,14 @@ Parabola NoisyParabola(Index rows, double noise) {
   return {x, y};
 }
 
-/// By QR, of all rows but some.
+/// Of all rows but some.
 VectorXd SolveWithout(const Parabola& parabola, Index begin, Index end) {
   const Index rows = parabola.y().size();
   MatrixXd columns(rows - (end - begin), 3);
-  VectorXd y(columns.rows());
+  MatrixXd y(columns.rows(), 1);
   columns << parabola.columns().topRows(begin), parabola.columns().bottomRows(rows - end);
   y << parabola.y().head(begin), parabola.y().tail(rows - end);
-  return columns.colPivHouseholderQr().solve(y);
+  return test::SolveByGramSchmidt(columns, y).value();
 }
 
 TEST(LeastSquares, FindsWhatQrFinds) {

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -14,6 +13,7 @@
 #include "controller/filters/filter_registry.h"
 #include "tests/controller/test_signal.h"
 #include "tests/controller/textbook_kalman.h"
+#include "tests/support/gram_schmidt.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -177,7 +177,8 @@ std::vector<Real> FitWeights(int window, int order, int derivative) {
   for (int age = 0; age < window; ++age) {
     for (int i = 0; i <= order; ++i) powers(age, i) = std::pow(Real(-age), Real(i));
   }
-  const Matrix inverse = powers.colPivHouseholderQr().solve(Matrix::Identity(window, window));
+  const Matrix inverse =
+      test::SolveByGramSchmidt<Matrix>(powers, Matrix::Identity(window, window)).value();
   std::vector<Real> weights;
   for (int age = 0; age < window; ++age) {
     weights.push_back(std::tgamma(Real(derivative + 1)) * inverse(derivative, age));
@@ -382,11 +383,7 @@ TEST(Exactness, FixedLag) {
                          if (passed.size() > kLag + 1) passed.pop_front();
                          RealVector smoothed = passed.back().x;
                          for (std::size_t i = passed.size() - 1; i-- > 0;) {
-                           const TextbookKalman& now = passed[i];
-                           const TextbookKalman& next = passed[i + 1];
-                           const RealMatrix back =
-                               now.p * now.a.transpose() * next.p_prior.inverse();
-                           smoothed = now.x + back * (smoothed - next.x_prior);
+                           smoothed = passed[i].Smoothed(passed[i + 1], smoothed);
                          }
                          return smoothed[0];
                        }),

@@ -11,6 +11,7 @@
 #include "controller/filters/steady_gains.h"
 #include "tests/controller/test_signal.h"
 #include "tests/controller/textbook_kalman.h"
+#include "tests/support/gram_schmidt.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -68,7 +69,8 @@ TEST(SolveRiccati, LeavesNoResidualForCoupledChannels) {
   q(2, 3) = q(3, 2) = 5e-4;
   const Eigen::MatrixXd p = SolveRiccati(a, h, q, r);
   const Eigen::MatrixXd s = h * p * h.transpose() + r;
-  const Eigen::MatrixXd updated = p - p * h.transpose() * s.inverse() * h * p;
+  const Eigen::MatrixXd updated =
+      p - p * h.transpose() * test::SolveByGramSchmidt<Eigen::MatrixXd>(s, h * p).value();
   const Eigen::MatrixXd residual = a * updated * a.transpose() + q - p;
   EXPECT_LE(residual.cwiseAbs().maxCoeff(), 1e-12 * p.cwiseAbs().maxCoeff());
 }

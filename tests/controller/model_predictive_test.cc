@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -15,6 +15,7 @@
 #include "controller/controller.h"
 #include "tests/controller/allocation_counter.h"
 #include "tests/controller/test_hand.h"
+#include "tests/support/gram_schmidt.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -110,7 +111,7 @@ TEST(ModelPredictive, IsTheLeastSquaresPlanForTheServoWhereNoLimitActs) {
       const Eigen::VectorXd zero = Eigen::VectorXd::Zero(config.steps);
       const Eigen::VectorXd free = path_of(zero);
       Eigen::MatrixXd normal(2 * config.steps, config.steps);
-      Eigen::VectorXd right = Eigen::VectorXd::Zero(2 * config.steps);
+      Eigen::MatrixXd right = Eigen::MatrixXd::Zero(2 * config.steps, 1);
       normal.setZero();
       for (int k = 0; k < config.steps; ++k) {
         Eigen::VectorXd one = zero;
@@ -120,10 +121,10 @@ TEST(ModelPredictive, IsTheLeastSquaresPlanForTheServoWhereNoLimitActs) {
         if (k > 0) normal(config.steps + k, k - 1) = -std::sqrt(config.change_weight);
       }
       for (int j = 0; j < config.steps; ++j) {
-        right[j] = motion(now + dead_time_s + (j + 1) * kEvent) - free[j];
+        right(j, 0) = motion(now + dead_time_s + (j + 1) * kEvent) - free[j];
       }
-      right[config.steps] = std::sqrt(config.change_weight) * last;
-      const double expected = normal.colPivHouseholderQr().solve(right)[0];
+      right(config.steps, 0) = std::sqrt(config.change_weight) * last;
+      const double expected = test::SolveByGramSchmidt(normal, right).value()(0, 0);
 
       double command = 0.0;
       planner.Step(PathOf(planner, now, kEvent, motion), {&command, 1});

@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <vector>
+
+#include "tests/support/gram_schmidt.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -37,7 +40,8 @@ Problem RandomProblem(std::mt19937_64& random, int n, double reach, double chang
   };
   Problem problem;
   Eigen::MatrixXd c = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return uniform(-1.0, 1.0); });
-  problem.hessian = c.transpose() * c + uniform(0.01, 1.0) * Eigen::MatrixXd::Identity(n, n);
+  problem.hessian =
+      c.transpose().lazyProduct(c) + uniform(0.01, 1.0) * Eigen::MatrixXd::Identity(n, n);
   problem.g =
       problem.hessian * Eigen::VectorXd::NullaryExpr(n, [&] { return uniform(-reach, reach); });
   problem.low.resize(2 * n - 1);
@@ -80,16 +84,15 @@ Eigen::VectorXd ByTryingAll(const Problem& problem) {
         right(n + i, 0) =
             bound[static_cast<std::size_t>(j)] == 1 ? problem.low[j] : problem.high[j];
       }
-      const Eigen::FullPivLU<Long> decomposition(both);
-      if (decomposition.isInvertible()) {
-        const Long u = decomposition.solve(right).topRows(n);
-        const Long values = a * u;
+      if (const std::optional<Long> solution = test::SolveByGramSchmidt(both, right)) {
+        const Long u = solution->topRows(n);
+        const Long values = a.lazyProduct(u);
         bool kept = true;
         for (Eigen::Index j = 0; j < a.rows(); ++j) {
           kept = kept && values(j, 0) >= problem.low[j] - 1e-12L &&
                  values(j, 0) <= problem.high[j] + 1e-12L;
         }
-        const long double cost = 0.5L * (u.transpose() * h * u)(0, 0) - (g.transpose() * u)(0, 0);
+        const long double cost = u.cwiseProduct(0.5L * h.lazyProduct(u) - g).sum();
         if (kept && cost < least) {
           least = cost;
           best = u.cast<double>();
@@ -111,8 +114,9 @@ TEST(PlanSolver, IsTheLeastSquaresSolutionWhereNoLimitActs) {
   std::mt19937_64 random(1);
   for (int n = 1; n <= kMostPlanSteps; ++n) {
     const Problem problem = RandomProblem(random, n, 0.3, 1.0);
-    const Long exact =
-        problem.hessian.cast<long double>().fullPivLu().solve(problem.g.cast<long double>());
+    const Long exact = test::SolveByGramSchmidt<Long>(problem.hessian.cast<long double>(),
+                                                      problem.g.cast<long double>())
+                           .value();
     PlanSolver solver(problem.hessian);
     PlanVector plan(n);
     ASSERT_TRUE(solver.Solve(problem.g, problem.low, problem.high, 0, plan));
@@ -151,7 +155,7 @@ TEST(PlanSolver, IsOptimalUnderAllLimitsOfLongPlans) {
       if (values[j] > problem.high[j] - 1e-9) outward.push_back(Limits(n).row(j).transpose());
       if (values[j] < problem.low[j] + 1e-9) outward.push_back(-Limits(n).row(j).transpose());
     }
-    const Eigen::VectorXd pull = problem.g - problem.hessian * plan;
+    const Eigen::MatrixXd pull = problem.g - problem.hessian * plan;
     if (outward.empty()) {
       EXPECT_LT(pull.cwiseAbs().maxCoeff(), 1e-9);
       continue;
@@ -160,8 +164,8 @@ TEST(PlanSolver, IsOptimalUnderAllLimitsOfLongPlans) {
     for (std::size_t k = 0; k < outward.size(); ++k) {
       normals.col(static_cast<Eigen::Index>(k)) = outward[k];
     }
-    const Eigen::VectorXd push = normals.completeOrthogonalDecomposition().solve(pull);
-    EXPECT_LT((normals * push - pull).cwiseAbs().maxCoeff(), 1e-8) << i;
+    const Eigen::MatrixXd push = test::SolveByGramSchmidt(normals, pull).value();
+    EXPECT_LT((normals.lazyProduct(push) - pull).cwiseAbs().maxCoeff(), 1e-8) << i;
     EXPECT_GT(push.minCoeff(), -1e-8) << i;
   }
 }

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -11,6 +11,7 @@
 
 #include "controller/prediction/predictor.h"
 #include "tests/controller/test_signal.h"
+#include "tests/support/gram_schmidt.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -239,7 +240,7 @@ TEST(PredictorFit, SolvesTheEquationOfItsHeader) {
         variance[place(channel, tap)] = 1.5 * fit.noise_variance[channel] / (tap == 0 ? 1 : kTap);
       }
     }
-    Eigen::MatrixXd matrix = of_noise * variance.asDiagonal() * of_noise.transpose();
+    Eigen::MatrixXd matrix = (of_noise * variance.asDiagonal()).lazyProduct(of_noise.transpose());
     Eigen::VectorXd right = of_noise * variance.asDiagonal() * end_of_noise;
     int count = 0;
     for (int now = kOrder * kTap; now + kAhead < kRows; now += kTap) ++count;
@@ -251,7 +252,8 @@ TEST(PredictorFit, SolvesTheEquationOfItsHeader) {
       matrix += p * p.transpose() / count;
       right += p * (z(now + kAhead, c) - z(now, c)) / count;
     }
-    const Eigen::VectorXd expected = matrix.fullPivLu().solve(right);
+    const Eigen::VectorXd expected =
+        test::SolveByGramSchmidt<Eigen::MatrixXd>(matrix, right).value();
     const FittedPredictionConfig& found = fit.predictor;
     for (int i = 0; i < kOrder; ++i) EXPECT_NEAR(found.weights[kOrder * c + i], expected[i], 1e-7);
     EXPECT_NEAR(found.position_weights[2 * c + c], expected[kOrder], 1e-7);

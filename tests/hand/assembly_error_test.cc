@@ -2,12 +2,12 @@
 
 #include <gmock/gmock.h>
 
-#include <Eigen/LU>
 #include <cmath>
 
 #include "sim/base/error.h"
 #include "tests/hand/hand_fixture.h"
 #include "tests/hand/small_hand.h"
+#include "tests/support/gram_schmidt.h"
 
 namespace gauntlet::sim::testing {
 namespace {
@@ -97,8 +97,9 @@ TEST(AssemblyError, OfTheWholeHandIsThatOfItsCoupling) {
   Eigen::VectorXd from_middle(count);
   for (int i = 0; i < count; ++i) from_middle[i] = told[i] - map.reference_angle_rad[i];
   const Eigen::VectorXd expected =
-      built_coupling.lu().solve(drawn_coupling * from_middle) - from_middle +
-      Eigen::Map<const Eigen::VectorXd>(built->center_error_rad().data(), count);
+      test::SolveByGramSchmidt<Eigen::MatrixXd>(built_coupling, drawn_coupling * from_middle)
+          .value() -
+      from_middle + Eigen::Map<const Eigen::VectorXd>(built->center_error_rad().data(), count);
   const Eigen::VectorXd difference = AnglesAt(built, counts) - AnglesAt(drawn, counts);
   for (int i = 0; i < count; ++i) {
     EXPECT_NEAR(difference[i] * kDegPerRad, expected[i] * kDegPerRad, 0.2) << map.joint_names[i];
