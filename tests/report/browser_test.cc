@@ -16,6 +16,7 @@
 #include <random>
 #include <sstream>
 
+#include "sim/base/json.h"
 #include "sim/comparison/comparison_verdict.h"
 #include "sim/report/controllers_front.h"
 #include "sim/report/page_data.h"

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/base/csv_line.h"
+#include "sim/base/json.h"
 #include "sim/report/page_data.h"
 #include "sim/report/score_table.h"
 #include "tests/report/made_up_study.h"
