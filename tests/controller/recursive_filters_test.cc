@@ -129,7 +129,8 @@ TEST(ButterworthFilter, RefusesACutoffAboveHalfTheRate) {
   EXPECT_THROW(MakeFilter({ButterworthConfig{.order = 9}}, 1, kRateHz), SettingError);
 }
 
-/// Largest pole of (I - K H) A, which decides whether gains are stable: how a power of it grows, to the 2^40th.
+/// Largest pole of (I - K H) A, which decides whether gains are stable: how a power of it grows, to
+/// the 2^40th.
 /// Eigen's eigenvalues take seconds to compile.
 double LargestPole(const Eigen::VectorXd& gain) {
   const Eigen::Index n = gain.size();
