@@ -103,7 +103,8 @@ std::map<std::string, Maker> Makers() {
         return fmt::format("DEF-{}.{:02}.{}", kNames[static_cast<std::size_t>(digit)],
                            NumberOf(digit, bone), is_left ? 'L' : 'R');
       },
-      // Bones along (-1, -1, -1), turned to x. Quaternion::FromTwoVectors() takes seconds to compile.
+      // Bones along (-1, -1, -1), turned to x. Quaternion::FromTwoVectors() takes seconds to
+      // compile.
       .axes =
           Eigen::AngleAxisd(std::acos(-1.0 / std::sqrt(3.0)), Vector3d(0.0, -1.0, 1.0).normalized())
               .toRotationMatrix(),
