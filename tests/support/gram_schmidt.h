@@ -5,9 +5,9 @@
 
 namespace gauntlet::test {
 
-/// The x for which the rows of a x are nearest to b (Eigen's matrices), by Gram and Schmidt; nothing
-/// where a column of a depends on those before it. A decomposition of Eigen's takes seconds to
-/// compile, in every test that has one.
+/// The x for which the rows of a x are nearest to b (Eigen's matrices), by Gram and Schmidt;
+/// nothing where a column of a depends on those before it. A decomposition of Eigen's takes seconds
+/// to compile, in every test that has one.
 template <class Matrix>
 std::optional<Matrix> SolveByGramSchmidt(Matrix a, Matrix b) {
   using std::sqrt;
