@@ -28,8 +28,8 @@ if(GAUNTLET_UNITY_BUILD)
   target_compile_options(gauntlet_options INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
 endif()
 
-# Rooms that compute are optimised in a release; what runs for milliseconds at a time is compiled by -Og in half the time
-# of -O3, with the same bytes of results. docs/evidence/benchmarks.md has what each level costs and gains.
+# Rooms that compute have -O3 in a release. What runs for milliseconds at a time has -Og, which compiles in nearly half the
+# time, with the same bytes of results. docs/evidence/benchmarks.md has what each level costs.
 set(GAUNTLET_COMPUTING_ROOMS base controller glove hand link loop score trial)
 # g++ frees what it no longer needs from 128 MB on, which takes a tenth of the time of a source that needs 400.
 target_compile_options(gauntlet_options INTERFACE "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:SHELL:--param ggc-min-heapsize=524288>")
@@ -42,7 +42,7 @@ function(gauntlet_optimise target folder)
     return()
   endif()
   set(level -Og)
-  if(folder IN_LIST GAUNTLET_COMPUTING_ROOMS OR target MATCHES "_computing$")
+  if(target MATCHES "_computing$" OR (folder IN_LIST GAUNTLET_COMPUTING_ROOMS AND NOT target MATCHES "_setup$"))
     set(level -O3)
   endif()
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:${level}>)
@@ -93,27 +93,31 @@ function(gauntlet_unite target)
   endforeach()
 endfunction()
 
-# gauntlet_add_library(<folder> SOURCES <file>... [LIBRARIES <target>...] [COMPUTING <file>...]
+# gauntlet_add_library(<folder> SOURCES <file>... [LIBRARIES <target>...] [COMPUTING <file>...] [SETUP <file>...]
 #                      [APART <file>... [AND <file>...]...] [EITHER])
 # Makes the static library gauntlet_<folder>, included from the project's root.
-# COMPUTING: sources that are optimised in a release, of a room that is not.
+# COMPUTING: more sources, which are optimised in a release, of a room that is not. SETUP: more sources, which are not, of
+# a room that is: they run once, when a part is made.
 # APART: sources whose own names are those of another one, so that they cannot be compiled as one, or that take too long
 # and too much memory with nine others: see gauntlet_unite().
 # EITHER: static or shared, as BUILD_SHARED_LIBS says, where the simulation, which uses more than a shared
 # library shows, is not built.
 function(gauntlet_add_library folder)
-  cmake_parse_arguments(ARG "EITHER" "" "SOURCES;LIBRARIES;COMPUTING;APART" ${ARGN})
+  cmake_parse_arguments(ARG "EITHER" "" "SOURCES;LIBRARIES;COMPUTING;SETUP;APART" ${ARGN})
   set(parts gauntlet_${folder})
   if(ARG_EITHER AND BUILD_SHARED_LIBS AND NOT GAUNTLET_BUILD_SIM)
     add_library(gauntlet_${folder} SHARED ${ARG_SOURCES})
   else()
     add_library(gauntlet_${folder} STATIC ${ARG_SOURCES})
   endif()
-  if(ARG_COMPUTING)
-    list(APPEND parts gauntlet_${folder}_computing)
-    add_library(gauntlet_${folder}_computing OBJECT ${ARG_COMPUTING})
-    target_sources(gauntlet_${folder} PRIVATE $<TARGET_OBJECTS:gauntlet_${folder}_computing>)
-  endif()
+  foreach(kind COMPUTING SETUP)
+    if(ARG_${kind})
+      string(TOLOWER gauntlet_${folder}_${kind} part)
+      list(APPEND parts ${part})
+      add_library(${part} OBJECT ${ARG_${kind}})
+      target_sources(gauntlet_${folder} PRIVATE $<TARGET_OBJECTS:${part}>)
+    endif()
+  endforeach()
   foreach(part IN LISTS parts)
     # A part of programs and of the Python module.
     set_target_properties(${part} PROPERTIES

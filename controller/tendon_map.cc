@@ -1,12 +1,12 @@
 #include "controller/tendon_map.h"
 
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "controller/assert.h"
+#include "controller/linear_algebra.h"
 #include "controller/number.h"
 
 namespace gauntlet::controller {
@@ -117,13 +117,12 @@ Eigen::MatrixXd MeantToMove(const TendonTransmission& hand) {
 
 /// C^+, with rows of NaN for the joints whose angle the spools do not decide. Joints and spools are
 /// of one order of size, so that plain tolerances do.
-Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& coupling) {
+Eigen::MatrixXd InverseOfCoupling(const Eigen::MatrixXd& coupling) {
   constexpr double kTolerance = 1e-9;
   if (coupling.rows() == coupling.cols()) {
-    const Eigen::FullPivLU<Eigen::MatrixXd> decomposition(coupling);
-    if (decomposition.isInvertible()) return decomposition.inverse();
+    if (auto inverse = InverseOf(coupling)) return *std::move(inverse);
   }
-  Eigen::MatrixXd inverse = coupling.completeOrthogonalDecomposition().pseudoInverse();
+  Eigen::MatrixXd inverse = PseudoInverseOf(coupling);
   const Eigen::MatrixXd decided = inverse * coupling;  // the identity where spools decide
   for (Eigen::Index joint = 0; joint < inverse.rows(); ++joint) {
     Eigen::RowVectorXd off = decided.row(joint);
@@ -160,7 +159,7 @@ TendonMap::TendonMap(const TendonTransmission& hand, bool coupling_compensation)
   }
   coupling_ = coupling;
   forward_ = coupling_compensation ? coupling_ : meant;
-  inverse_ = InverseOf(coupling_);
+  inverse_ = InverseOfCoupling(coupling_);
   joint_.setZero(joints);
   spool_.setZero(motors);
 }

@@ -1,7 +1,6 @@
 #include "controller/filters/kalman_dense_filter.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <iterator>
 #include <string>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "controller/filters/filter_registry.h"
 #include "controller/filters/state_filter.h"
 #include "controller/filters/subnormal.h"
+#include "controller/linear_algebra.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -41,8 +41,7 @@ void CheckCovariance(const char* key, const MatrixXd& covariance, bool positive_
   const double scale = covariance.cwiseAbs().maxCoeff();
   const bool symmetric =
       (covariance - covariance.transpose()).cwiseAbs().maxCoeff() <= 1e-12 * scale;
-  const VectorXd values =
-      Eigen::SelfAdjointEigenSolver<MatrixXd>(covariance, Eigen::EigenvaluesOnly).eigenvalues();
+  const VectorXd values = EigenvaluesOf(covariance);
   const bool allowed = positive_definite ? values[0] > 0.0 : values[0] >= -1e-12 * scale;
   if (!symmetric || !allowed) {
     throw SettingError(key, std::string("must be symmetric and positive ") +

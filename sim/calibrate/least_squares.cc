@@ -1,11 +1,11 @@
 #include "sim/calibrate/least_squares.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <numeric>
 #include <utility>
 
 #include "controller/assert.h"
+#include "controller/linear_algebra.h"
 #include "sim/base/student.h"
 
 namespace gauntlet::sim {
@@ -63,8 +63,7 @@ std::optional<std::vector<WithoutBlock>> WithoutEachBlock(const LeastSquaresFit&
   const VectorXd norm = derivatives.colwise().norm().cwiseMax(1e-300);
   const MatrixXd scaled = derivatives * norm.cwiseInverse().asDiagonal();
   const MatrixXd normal = scaled.transpose() * scaled;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(normal, Eigen::EigenvaluesOnly);
-  if (!(eigen.eigenvalues()[0] > kLeastEigenvalue)) return std::nullopt;
+  if (!(controller::EigenvaluesOf(normal)[0] > kLeastEigenvalue)) return std::nullopt;
   const MatrixXd unscaled = norm.cwiseInverse().asDiagonal();
   std::vector<WithoutBlock> result;
   for (Index block = 0; block < kBlocks; ++block) {

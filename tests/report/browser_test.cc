@@ -1,6 +1,5 @@
 // The page in a real browser. Skipped where there is no chromium: it is too large a package to ask
 // of everybody who builds.
-#include "sim/base/json.h"
 #include "tests/report/browser.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,5 @@
 // The error's causes as a person sees them: shares that sum to the whole, and parts below 0 as they
 // are.
-#include "sim/base/json.h"
 #include "sim/report/error_split_table.h"
 
 #include <gmock/gmock.h>
