@@ -28,8 +28,8 @@ constexpr int kSeeds = 4;
 
 }  // namespace
 
-FilterFacts AnalyseFilter(const NamedController& named, const controller::Timing& timing) {
-  FilterFacts facts;
+PaperFilter AnalyseFilter(const NamedController& named, const controller::Timing& timing) {
+  PaperFilter facts;
   facts.name = named.name;
   facts.per_event = named.config.filter_at == controller::FilterAt::kEvent;
   const double rate_hz = facts.per_event ? timing.event_rate_hz() : timing.sample_rate_hz();

@@ -16,7 +16,7 @@ namespace gauntlet::sim {
 
 /// What a filter is, told without any signal: from its answer to a single pulse, once it has
 /// settled.
-struct FilterFacts {
+struct PaperFilter {
   std::string name;
   bool per_event = false;    // a step is an event and not a sample
   std::vector<double> gain;  // per channel: the share of a jump that passes at once
@@ -65,7 +65,7 @@ struct PaperExperiment {
   FinishedStudy finished;
   StudyResult rc_servo_result;  // raw and paper_kalman with RC servos
   StudyResult burst_result;     // tuned_kalman and prediction in fast_bursts
-  std::vector<FilterFacts> filters;
+  std::vector<PaperFilter> filters;
   std::vector<Claim> claims;
   OneChannelTest one_channel;
   GeneratorTest generators;
@@ -74,7 +74,7 @@ struct PaperExperiment {
 };
 
 /// Facts about the first filter of a controller, for 18 channels with the paper's R.
-FilterFacts AnalyseFilter(const NamedController& controller, const controller::Timing& timing);
+PaperFilter AnalyseFilter(const NamedController& controller, const controller::Timing& timing);
 OneChannelTest RunOneChannelTest();
 GeneratorTest RunGeneratorTest(std::int64_t draws);
 

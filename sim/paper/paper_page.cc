@@ -115,11 +115,11 @@ std::string ScoresHtml(const FinishedStudy& finished) {
   return html;
 }
 
-ResultTable FilterTable(const std::vector<FilterFacts>& filters) {
+ResultTable FilterTable(const std::vector<PaperFilter>& filters) {
   ResultTable table{.columns = {WordColumn("Controller"), WordColumn("One step is"),
                                 ForPeople("Passes at once"), ForPeople("Noise left"),
                                 ForPeople("Delay at 1 Hz, ms")}};
-  for (const FilterFacts& facts : filters) {
+  for (const PaperFilter& facts : filters) {
     table.rows.push_back(
         {ResultCell(facts.name),
          ResultCell::Text(facts.per_event ? "a command frame, 20 ms" : "a sample, 1 ms"),
@@ -228,7 +228,7 @@ Values ValuesOfTests(const PaperExperiment& e) {
       {"galton_distance", fmt::format("{:.4f}", test.galton_distance)},
       {"galton_theory", fmt::format("{:.4f}", galton_theory)},
       {"galton_seen_distance", fmt::format("{:.4f}", test.galton_seen_distance)}};
-  for (const FilterFacts& facts : e.filters) {
+  for (const PaperFilter& facts : e.filters) {
     values[facts.name + ".noise"] = Range(facts.noise_share);
   }
   return values;

@@ -27,7 +27,7 @@ NamedController Controller(const controller::FilterSettings& settings) {
 TEST(PaperFilter, AMeanOfTwentyIsKnownExactly) {
   controller::MovingAverageConfig twenty;
   twenty.window = 20;
-  const FilterFacts mean = AnalyseFilter(Controller(twenty), {});
+  const PaperFilter mean = AnalyseFilter(Controller(twenty), {});
   EXPECT_NEAR(mean.gain[0], 1.0 / 20.0, 1e-12);
   EXPECT_NEAR(mean.noise_share[0], 1.0 / std::sqrt(20.0), 1e-12);
   EXPECT_NEAR(mean.delay_ms, 9.5, 1e-9);
@@ -36,7 +36,7 @@ TEST(PaperFilter, AMeanOfTwentyIsKnownExactly) {
 
 TEST(PaperFilter, QOfOneBarelyFilters) {
   // As an analysis of the paper found by another program: gains 0.43 to 0.63, noise 0.59 to 0.72.
-  const FilterFacts facts = AnalyseFilter(Controller(controller::KalmanConfig{}), {});
+  const PaperFilter facts = AnalyseFilter(Controller(controller::KalmanConfig{}), {});
   const auto [low, high] = std::minmax_element(facts.gain.begin(), facts.gain.end());
   EXPECT_NEAR(*low, 0.43, 0.005);
   EXPECT_NEAR(*high, 0.63, 0.005);
@@ -48,9 +48,9 @@ TEST(PaperFilter, QOfOneBarelyFilters) {
 
 TEST(PaperFilter, AStepPerEventIsTheSameFilterTwentyTimesSlower) {
   NamedController named = Controller(controller::KalmanConfig{});
-  const FilterFacts sample = AnalyseFilter(named, {});
+  const PaperFilter sample = AnalyseFilter(named, {});
   named.config.filter_at = controller::FilterAt::kEvent;
-  const FilterFacts event = AnalyseFilter(named, {});
+  const PaperFilter event = AnalyseFilter(named, {});
   EXPECT_TRUE(event.per_event);
   EXPECT_NEAR(event.noise_share[0], sample.noise_share[0], 1e-9);
   EXPECT_GT(event.delay_ms, sample.delay_ms + 1.0);
