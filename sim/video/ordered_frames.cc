@@ -147,11 +147,11 @@ class Schedule {
 
 }  // namespace
 
-std::optional<Frame> Frames::Next() {
+std::optional<VideoFrame> Frames::Next() {
   if (current_) tasks_.Answer(*current_);
   current_ = tasks_.Next();
   if (!current_) return std::nullopt;
-  return Frame{.number = *current_, .image = images_.ImageOf(*current_)};
+  return VideoFrame{.number = *current_, .image = images_.ImageOf(*current_)};
 }
 
 bool DrawFramesInOrder(const FramePlan& plan, const std::function<void(Frames&)>& draw,

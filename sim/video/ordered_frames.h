@@ -10,7 +10,7 @@ namespace gauntlet::sim {
 
 /// A frame of a video: its number, and the image that it is drawn into or was drawn into. A drawer
 /// finds an earlier frame there, or nothing.
-struct Frame {
+struct VideoFrame {
   int number = 0;
   ImageView image;
 };
@@ -24,7 +24,7 @@ class Frames {
       : tasks_(tasks), images_(images) {}
 
   /// The next one; the one before is done then. None: there are no more.
-  std::optional<Frame> Next();
+  std::optional<VideoFrame> Next();
 
  private:
   WorkerProcess::Tasks& tasks_;

@@ -1,0 +1,9 @@
+#pragma once
+
+namespace gauntlet::sim {
+
+struct Twice {
+  int a = 0;
+};
+
+}  // namespace gauntlet::sim
