@@ -12,6 +12,10 @@
 
 namespace gauntlet::controller {
 
+/// Declares the std::variant that a type is or derives from; it is not defined.
+template <class... Configs>
+std::variant<Configs...> VariantOf(const std::variant<Configs...>& settings);
+
 /// "Kind and its settings": the one idiom for filters, predictions, motions and faults.
 ///
 /// Each kind is a config struct of its own with kKind (its name), kSummary, defaults and Visit().
@@ -30,7 +34,7 @@ namespace gauntlet::controller {
 ///
 /// A variant of many kinds is a class derived from std::variant. Its copy, move and destructor are
 /// defined in one source, so that sources that copy a config do not compile those of every kind.
-template <class Settings, class Variant = typename Settings::variant>
+template <class Settings, class Variant = decltype(VariantOf(std::declval<Settings>()))>
 struct KindsOf;
 /// The kinds of a variant.
 template <class Settings, class... Configs>
