@@ -180,7 +180,6 @@ ServoSettings::ServoSettings(const ServoSettings& other) = default;
 ServoSettings::ServoSettings(ServoSettings&& other) noexcept = default;
 ServoSettings& ServoSettings::operator=(const ServoSettings& other) = default;
 ServoSettings& ServoSettings::operator=(ServoSettings&& other) noexcept = default;
-ServoSettings::~ServoSettings() = default;
 
 void ServoConfig::Visit(SettingsVisitor& visitor) {
   controller::VisitKind(visitor, {"kind", "which servo the motors have"}, settings);

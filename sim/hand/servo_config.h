@@ -130,7 +130,7 @@ class ServoSettings
   ServoSettings(ServoSettings&& other) noexcept;
   ServoSettings& operator=(const ServoSettings& other);
   ServoSettings& operator=(ServoSettings&& other) noexcept;
-  ~ServoSettings();
+  ~ServoSettings() = default;
 };
 
 /// Position servos of one kind. A kind brings all its numbers; what is said beside `kind`
