@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/base/json.h"
 #include "sim/comparison/comparison_verdict.h"
 #include "sim/comparison/study_files.h"
 #include "sim/figure/palette.h"
