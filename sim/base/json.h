@@ -125,7 +125,7 @@ class Json {
   ConstIterator end() const { return begin() + size(); }
   const Json& front() const;
   Json& back();
-  /// The same with their keys, which are numbers in an array.
+  /// Values with their keys, which are numbers in an array.
   std::vector<JsonItem> items() const;
 
   /// A null becomes an object, and a new key gets a null.

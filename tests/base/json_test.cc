@@ -33,7 +33,7 @@ std::string RandomText(RandomStream& random) {
   return random.Index(20) == 0 ? text + '\0' : text;
 }
 
-/// The same tree of both types for the same numbers.
+/// One tree in both types, equal for equal numbers.
 template <class AnyJson>
 AnyJson RandomTree(RandomStream& random, int depth) {
   constexpr double kNumbers[] = {0.0,      -0.0, 0.1,  1e300, 5e-324,
@@ -87,7 +87,7 @@ std::pair<Json, Nlohmann> RandomPair(int number) {
   return {RandomTree<Json>(ours, 4), RandomTree<Nlohmann>(theirs, 4)};
 }
 
-/// What is read from a text, printed; empty if nothing is.
+/// Printed value of a text; empty if the text is not JSON.
 std::string Read(std::string_view text) {
   const Json read = Json::parse_or_discard(text);
   return read.is_discarded() ? "" : read.dump(-1, Json::InvalidText::kReplaced);
@@ -237,7 +237,7 @@ std::string Made() {
 
 TEST(Json, IsMadeOfBracesAndValuesAsNlohmannIs) { EXPECT_EQ(Made<Json>(), Made<Nlohmann>()); }
 
-/// What a reader gets from a value; errors are named.
+/// Result of a reader for a value; errors are named.
 template <class AnyJson, class Error>
 std::string Seen(const AnyJson& json) {
   std::ostringstream seen;

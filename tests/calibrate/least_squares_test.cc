@@ -47,7 +47,7 @@ Parabola NoisyParabola(Index rows, double noise) {
   return {x, y};
 }
 
-/// Of all rows but some.
+/// Parameters fitted to all rows but those from begin to end.
 VectorXd SolveWithout(const Parabola& parabola, Index begin, Index end) {
   const Index rows = parabola.y().size();
   MatrixXd columns(rows - (end - begin), 3);
