@@ -12,12 +12,12 @@
 #include "python/results.h"
 #include "sim/base/text.h"
 #include "sim/calibrate/chain_tables.h"
+#include "sim/calibrate/hand_log.h"
 #include "sim/calibrate/identified_hand.h"
 #include "sim/inspect/inspection.h"
 #include "sim/inspect/inspection_tables.h"
 #include "sim/inspect/starter_files.h"
 #include "sim/report/chain_page.h"
-#include "sim/trial/hand_log.h"
 
 namespace gauntlet::python {
 namespace {

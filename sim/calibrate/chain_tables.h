@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "sim/calibrate/chain_episodes.h"
-#include "sim/calibrate/identified_chain.h"
 #include "sim/results/table_text.h"
+#include "sim/settings/identified_chain.h"
 
 namespace gauntlet::sim {
 

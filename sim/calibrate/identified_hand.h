@@ -3,7 +3,7 @@
 #include <string>
 
 #include "sim/calibrate/chain_episodes.h"
-#include "sim/calibrate/identified_chain.h"
+#include "sim/settings/identified_chain.h"
 
 namespace gauntlet::sim {
 

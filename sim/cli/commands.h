@@ -1,11 +1,14 @@
 #pragma once
 
+#include <vector>
+
 #include "sim/cli/command.h"
 
 namespace gauntlet::sim {
 
 // Each describes its command. Errors travel as exceptions to main(), the only place that knows exit
 // codes.
+// Those of studies, in both programs.
 Command MakeRunCommand();
 Command MakeCompareCommand();
 Command MakeSweepCommand();
@@ -17,14 +20,19 @@ Command MakeDiffCommand();
 Command MakeReportCommand();
 Command MakeInspectCommand();
 Command MakeFilterCommand();
+Command MakeListCommand();
+Command MakeDoctorCommand();
+
+// The others.
 Command MakeCalibrateCommand();
 Command MakeIdentifyCommand();
 Command MakeValidateCommand();
 Command MakeRetargetCommand();
 Command MakeReproduceCommand();
-Command MakeListCommand();
 Command MakeLiveCommand();
 Command MakeGloveCommand();
-Command MakeDoctorCommand();
+
+/// The others; none in the program of studies alone.
+std::vector<Command> OtherCommands();
 
 }  // namespace gauntlet::sim

@@ -10,6 +10,7 @@
 #include "sim/base/manifest.h"
 #include "sim/base/text.h"
 #include "sim/calibrate/chain_tables.h"
+#include "sim/calibrate/hand_log.h"
 #include "sim/calibrate/identified_hand.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/progress.h"
@@ -17,7 +18,6 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
 #include "sim/report/chain_page.h"
-#include "sim/trial/hand_log.h"
 
 namespace gauntlet::sim {
 namespace {

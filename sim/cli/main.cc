@@ -4,6 +4,7 @@
 #include <new>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "controller/settings.h"
@@ -43,13 +44,12 @@ Exit codes: 0 done, 1 failed or a difference found, 2 wrong input.)";
 
 std::vector<sim::Command> Commands() {
   std::vector<sim::Command> commands = {
-      sim::MakeRunCommand(),      sim::MakeCompareCommand(),   sim::MakeSweepCommand(),
-      sim::MakeTuneCommand(),     sim::MakeRobustCommand(),    sim::MakeRenderCommand(),
-      sim::MakeExportCommand(),   sim::MakeDiffCommand(),      sim::MakeInspectCommand(),
-      sim::MakeFilterCommand(),   sim::MakeCalibrateCommand(), sim::MakeIdentifyCommand(),
-      sim::MakeValidateCommand(), sim::MakeRetargetCommand(),  sim::MakeReproduceCommand(),
-      sim::MakeListCommand(),     sim::MakeReportCommand(),    sim::MakeLiveCommand(),
-      sim::MakeGloveCommand(),    sim::MakeDoctorCommand()};
+      sim::MakeRunCommand(),    sim::MakeCompareCommand(), sim::MakeSweepCommand(),
+      sim::MakeTuneCommand(),   sim::MakeRobustCommand(),  sim::MakeRenderCommand(),
+      sim::MakeExportCommand(), sim::MakeDiffCommand(),    sim::MakeInspectCommand(),
+      sim::MakeFilterCommand(), sim::MakeListCommand(),    sim::MakeReportCommand(),
+      sim::MakeDoctorCommand()};
+  for (sim::Command& command : sim::OtherCommands()) commands.push_back(std::move(command));
   for (sim::Command& command : commands) {
     command.options.push_back(sim::Option(
         "--inside", sim::ReadOnlyInside, {.value = "DIR", .offer = sim::Offer::kFolders},

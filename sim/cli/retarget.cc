@@ -11,6 +11,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
+#include "sim/recordings/name_words.h"
 #include "sim/retargeting/fingertip_motion.h"
 #include "sim/retargeting/retargeting.h"
 #include "sim/retargeting/retargeting_result.h"

@@ -92,6 +92,12 @@ std::vector<std::string> WithFingers(std::vector<std::string> names) {
 }
 
 std::string_view FingerOf(std::string_view word) { return MeaningOf(kFingers, word); }
+std::string_view FingerOfJointName(std::string_view name) {
+  for (const std::string& word : WordsOf(name)) {
+    if (const std::string_view finger = FingerOf(word); !finger.empty()) return finger;
+  }
+  return "";
+}
 std::string_view JointOf(std::string_view word) { return MeaningOf(kJoints, word); }
 bool IsSpread(std::string_view word) {
   return IsWordOf("abd abduction adduction abducted spread splay aa", word);

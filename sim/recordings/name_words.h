@@ -27,6 +27,8 @@ bool HasWordOf(const std::vector<std::string>& words, std::string_view list);
 
 /// thumb, index, middle, ring or little; empty for other words.
 std::string_view FingerOf(std::string_view word);
+/// The finger of a joint by its name, as HandKinematics asks for it: thumb_mcp, FFJ3, if_mcp.
+std::string_view FingerOfJointName(std::string_view name);
 /// mcp, pip, ip, dip or rotation: part of a channel's name. Empty for other words.
 std::string_view JointOf(std::string_view word);
 /// True for words of sideways motion, as in `index_abduction`.

@@ -73,13 +73,6 @@ void AddFrame(const HandKinematics& hand, double touch_m, FingertipFrame& frame)
 
 }  // namespace
 
-std::string_view FingerOfJointName(std::string_view name) {
-  for (const std::string& word : WordsOf(name)) {
-    if (const std::string_view finger = FingerOf(word); !finger.empty()) return finger;
-  }
-  return "";
-}
-
 double GapOfPinch(const HandKinematics& hand, int finger, double touch_m) {
   if (const auto gap = hand.PinchGap(finger)) return gap->gap_m;
   return (hand.Tip(finger) - hand.Tip(kThumb)).norm() - touch_m;

@@ -45,9 +45,6 @@ struct FingertipFormat {
   std::vector<std::string> copied = {};  // joints of the other hand whose angles are copied
 };
 
-/// The finger of a joint by its name, as HandKinematics asks for it: thumb_mcp, FFJ3, if_mcp.
-std::string_view FingerOfJointName(std::string_view name);
-
 /// The gap between a thumb and a finger with capsules, else the distance of tips less `touch_m`.
 double GapOfPinch(const HandKinematics& hand, int finger, double touch_m);
 

@@ -6,9 +6,9 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/calibrate/calibration.h"
-#include "sim/calibrate/identified_chain.h"
 #include "sim/glove/glove.h"
+#include "sim/settings/glove_calibration.h"
+#include "sim/settings/identified_chain.h"
 #include "sim/settings/yaml_reader.h"
 
 namespace gauntlet::sim {

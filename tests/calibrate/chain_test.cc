@@ -13,7 +13,7 @@
 #include "sim/calibrate/chain_fit.h"
 #include "sim/calibrate/chain_log.h"
 #include "sim/calibrate/chain_model.h"
-#include "sim/calibrate/identified_chain.h"
+#include "sim/calibrate/chain_results.h"
 #include "tests/calibrate/simulated_chain.h"
 #include "tests/support/program.h"
 

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,12 +57,15 @@ class StartScript : public testing::Test {
 cmake_minimum_required(VERSION 3.20)
 project(Toy NONE)
 set(KIND "none" CACHE STRING "")
-file(WRITE ${CMAKE_BINARY_DIR}/gauntlet.in "#!/bin/sh\necho ${KIND} $@\n")
-add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/sim/cli/gauntlet
-  COMMAND ${CMAKE_SOURCE_DIR}/compile && mkdir -p sim/cli && cp gauntlet.in sim/cli/gauntlet
-          && chmod +x sim/cli/gauntlet
-  DEPENDS ${CMAKE_SOURCE_DIR}/source ${CMAKE_BINARY_DIR}/gauntlet.in)
-add_custom_target(gauntlet ALL DEPENDS ${CMAKE_BINARY_DIR}/sim/cli/gauntlet)
+file(WRITE ${CMAKE_BINARY_DIR}/program.in "#!/bin/sh\necho ${KIND} $@\n")
+foreach(program gauntlet gauntlet_studies)
+  set(place sim/cli/${program})
+  add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/${place}
+    COMMAND ${CMAKE_SOURCE_DIR}/compile && mkdir -p sim/cli && cp program.in ${place}
+            && chmod +x ${place}
+    DEPENDS ${CMAKE_SOURCE_DIR}/source ${CMAKE_BINARY_DIR}/program.in)
+  add_custom_target(${program} ALL DEPENDS ${CMAKE_BINARY_DIR}/${place})
+endforeach()
 )");
     Write(root_ / "CMakePresets.json", R"({"version": 3, "configurePresets": [{"name": "release",
       "generator": "Ninja", "binaryDir": "${sourceDir}/build/release",
@@ -160,6 +164,43 @@ TEST_F(StartScript, BuildsOnceThenSaysNothing) {
   const ProgramResult second = Start();
   EXPECT_EQ(second.standard_output, "toy list\n");
   EXPECT_EQ(second.standard_error, "");
+}
+
+TEST_F(StartScript, BuildsWhatACommandNeeds) {
+  const fs::path folder = root_ / "build/release/sim/cli";
+  EXPECT_EQ(Start().exit_code, 0);
+  EXPECT_TRUE(fs::exists(folder / "gauntlet_studies"));
+  EXPECT_FALSE(fs::exists(folder / "gauntlet"));
+  const std::string script = (root_ / "gauntlet").string();
+  EXPECT_EQ(RunProgram({script, "live"}).standard_output, "toy live\n");
+  EXPECT_TRUE(fs::exists(folder / "gauntlet"));
+
+  fs::remove_all(folder);
+  const ProgramResult all = RunProgram({script, "build"});
+  EXPECT_EQ(all.exit_code, 0);
+  EXPECT_EQ(all.standard_output, "");
+  EXPECT_TRUE(fs::exists(folder / "gauntlet_studies"));
+  EXPECT_TRUE(fs::exists(folder / "gauntlet"));
+  const ProgramResult mistaken = RunProgram({script, "build", "lvie"});
+  EXPECT_EQ(mistaken.exit_code, 2);
+  EXPECT_EQ(mistaken.standard_error, "gauntlet: build takes no 'lvie'\n");
+}
+
+TEST_F(StartScript, KnowsTheCommandsOfTheProgramOfStudies) {
+  const std::string script = Text(root_ / "gauntlet");
+  const std::string_view begin = "\nSTUDY_COMMANDS=\" ";
+  const std::size_t place = script.find(begin) + begin.size();
+  std::istringstream listed(script.substr(place, script.find('"', place) - place));
+  std::vector<std::string> names;
+  for (std::string name; listed >> name;) names.push_back(name);
+
+  const fs::path program = fs::path(GAUNTLET_PROGRAM).parent_path() / "gauntlet_studies";
+  std::istringstream offered(RunProgram({program.string(), "--complete", ""}).standard_output);
+  std::vector<std::string> commands;
+  for (std::string line; std::getline(offered, line);) {
+    if (!line.starts_with('-')) commands.push_back(line.substr(0, line.find('\t')));
+  }
+  EXPECT_THAT(names, testing::UnorderedElementsAreArray(commands));
 }
 
 TEST_F(StartScript, ASignalEndsTheBuildToo) {

@@ -13,7 +13,7 @@
 
 #include "controller/calibration/predictor_fit.h"
 #include "controller/prediction/horizon.h"
-#include "sim/calibrate/identified_chain.h"
+#include "sim/calibrate/chain_results.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/scenario_reader.h"
 #include "sim/study/prediction_fit.h"

@@ -8,6 +8,7 @@
 
 #include "sim/base/signal.h"
 #include "sim/hand/hand_kinematics.h"
+#include "sim/recordings/name_words.h"
 #include "sim/retargeting/fingertip_motion.h"
 #include "tests/support/source_dir.h"
 

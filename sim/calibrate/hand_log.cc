@@ -1,4 +1,4 @@
-#include "sim/trial/hand_log.h"
+#include "sim/calibrate/hand_log.h"
 
 #include <vector>
 

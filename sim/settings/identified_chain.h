@@ -5,7 +5,6 @@
 
 #include "controller/controller_config.h"
 #include "controller/settings.h"
-#include "sim/calibrate/chain_log.h"
 
 namespace gauntlet::sim {
 
@@ -53,8 +52,6 @@ struct IdentifiedChain {
 
   void Visit(controller::SettingsVisitor& visitor);
 };
-
-IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<ChainFit>& fits);
 
 /// Sets the prediction horizon of a controller from the delay of the chain. Each channel takes the
 /// delay of the part of its name, or else the mean over the joints that it moves by the joint map.

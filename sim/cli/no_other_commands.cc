@@ -1,0 +1,7 @@
+#include "sim/cli/commands.h"
+
+namespace gauntlet::sim {
+
+std::vector<Command> OtherCommands() { return {}; }
+
+}  // namespace gauntlet::sim

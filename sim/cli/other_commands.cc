@@ -1,0 +1,11 @@
+#include "sim/cli/commands.h"
+
+namespace gauntlet::sim {
+
+std::vector<Command> OtherCommands() {
+  return {MakeCalibrateCommand(), MakeIdentifyCommand(),  MakeValidateCommand(),
+          MakeRetargetCommand(),  MakeReproduceCommand(), MakeLiveCommand(),
+          MakeGloveCommand()};
+}
+
+}  // namespace gauntlet::sim
