@@ -16,7 +16,7 @@ if(GAUNTLET_SANITIZE AND NOT GAUNTLET_ALL_ROOMS)
 endif()
 
 # Libraries whose branches fuzzers follow: those of the fuzzers that run for every change, or of all.
-set(GAUNTLET_COVERED_ROOMS base settings recordings inspect scenario)
+set(GAUNTLET_COVERED_ROOMS base settings tables recordings inspect scenario)
 if(GAUNTLET_ALL_ROOMS)
   list(APPEND GAUNTLET_COVERED_ROOMS controller device calibrate trial live trial_table comparison)
 endif()

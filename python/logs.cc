@@ -11,13 +11,13 @@
 #include "python/long_call.h"
 #include "python/results.h"
 #include "sim/base/text.h"
-#include "sim/calibrate/chain_tables.h"
-#include "sim/calibrate/hand_log.h"
-#include "sim/calibrate/identified_hand.h"
-#include "sim/inspect/inspection.h"
-#include "sim/inspect/inspection_tables.h"
-#include "sim/inspect/starter_files.h"
-#include "sim/report/chain_page.h"
+#include "sim/fit/chain_tables.h"
+#include "sim/fit/hand_log.h"
+#include "sim/fit/identified_hand.h"
+#include "sim/recordings/inspect/inspection.h"
+#include "sim/recordings/inspect/inspection_tables.h"
+#include "sim/recordings/inspect/starter_files.h"
+#include "sim/show/pages/chain_page.h"
 
 namespace gauntlet::python {
 namespace {

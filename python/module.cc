@@ -8,7 +8,7 @@
 #include "python/long_call.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
-#include "sim/external/external_filters.h"
+#include "sim/trial/external/external_filters.h"
 
 namespace gauntlet::python {
 namespace {

@@ -18,7 +18,7 @@
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
 #include "sim/base/text.h"
-#include "sim/external/stepper.h"
+#include "sim/trial/external/stepper.h"
 
 namespace gauntlet::python {
 namespace {

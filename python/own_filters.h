@@ -2,7 +2,7 @@
 
 #include <pybind11/pybind11.h>
 
-#include "sim/external/own_objects.h"
+#include "sim/trial/external/own_objects.h"
 
 namespace gauntlet::python {
 

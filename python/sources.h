@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "sim/base/data_folder.h"
-#include "sim/external/external_filters.h"
-#include "sim/external/own_objects.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
+#include "sim/trial/external/external_filters.h"
+#include "sim/trial/external/own_objects.h"
 
 namespace gauntlet::python {
 

@@ -6,6 +6,8 @@
 #include <fstream>
 
 #include "controller/number.h"
+#include "sim/answers/sweep/early_stop.h"
+#include "sim/answers/sweep/sweep_tables.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
 #include "sim/base/signal_storage.h"
@@ -15,9 +17,7 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/sweep/early_stop.h"
-#include "sim/sweep/sweep_tables.h"
-#include "sim/trial_table/trial_table.h"
+#include "sim/study/trial_table/trial_table.h"
 
 namespace gauntlet::sim {
 namespace {

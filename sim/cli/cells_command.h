@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "sim/answers/sweep/sweep_result.h"
 #include "sim/base/manifest.h"
 #include "sim/base/output_folder.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/terminal_option.h"
-#include "sim/sweep/sweep_result.h"
 
 namespace gauntlet::sim {
 

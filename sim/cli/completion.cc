@@ -9,9 +9,9 @@
 #include "sim/base/channels.h"
 #include "sim/base/data_folder.h"
 #include "sim/cli/shared_options.h"
-#include "sim/scenario/scenario.h"
-#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/setting_rows.h"
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {

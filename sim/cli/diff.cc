@@ -1,12 +1,12 @@
 #include <functional>
 
+#include "sim/answers/compare/study_difference.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/cli/terminal_option.h"
-#include "sim/comparison/study_difference.h"
-#include "sim/report/difference_table.h"
+#include "sim/show/pages/difference_table.h"
 
 namespace gauntlet::sim {
 namespace {

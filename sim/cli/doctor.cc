@@ -28,7 +28,7 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/hand/hand_model.h"
-#include "sim/video/drawing_library.h"
+#include "sim/show/video/drawing_library.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -17,15 +17,15 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
-#include "sim/external/external_filters.h"
 #include "sim/results/table_text.h"
-#include "sim/scenario/scenario.h"
-#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/robot_constants.h"
 #include "sim/settings/robot_file.h"
 #include "sim/study/made_with.h"
 #include "sim/study/prediction_fit.h"
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study.h"
+#include "sim/trial/external/external_filters.h"
 
 namespace gauntlet::sim {
 namespace {

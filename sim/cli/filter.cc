@@ -24,11 +24,11 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/stream_table.h"
-#include "sim/recordings/file_format.h"
-#include "sim/recordings/source_bytes.h"
-#include "sim/recordings/text_forms.h"
-#include "sim/recordings/utf16.h"
 #include "sim/settings/yaml_reader.h"
+#include "sim/tables/file_format.h"
+#include "sim/tables/source_bytes.h"
+#include "sim/tables/text_forms.h"
+#include "sim/tables/utf16.h"
 #include "sim/trial/held_filter.h"
 
 namespace gauntlet::sim {

@@ -11,10 +11,10 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
-#include "sim/device/frame_sink.h"
+#include "sim/live/device/frame_sink.h"
 #include "sim/live/glove_player.h"
-#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -13,9 +13,9 @@
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
-#include "sim/inspect/joint_names.h"
-#include "sim/inspect/starter_files.h"
-#include "sim/recordings/name_words.h"
+#include "sim/recordings/inspect/joint_names.h"
+#include "sim/recordings/inspect/starter_files.h"
+#include "sim/tables/name_words.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -9,15 +9,15 @@
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
 #include "sim/base/text.h"
-#include "sim/calibrate/chain_tables.h"
-#include "sim/calibrate/hand_log.h"
-#include "sim/calibrate/identified_hand.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
-#include "sim/report/chain_page.h"
+#include "sim/fit/chain_tables.h"
+#include "sim/fit/hand_log.h"
+#include "sim/fit/identified_hand.h"
+#include "sim/show/pages/chain_page.h"
 
 namespace gauntlet::sim {
 namespace {

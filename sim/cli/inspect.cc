@@ -17,12 +17,12 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
-#include "sim/inspect/inspection.h"
-#include "sim/inspect/inspection_tables.h"
-#include "sim/inspect/starter_files.h"
+#include "sim/recordings/inspect/inspection.h"
+#include "sim/recordings/inspect/inspection_tables.h"
+#include "sim/recordings/inspect/starter_files.h"
 #include "sim/results/table_text.h"
-#include "sim/video/png_file.h"
-#include "sim/video/recording_picture.h"
+#include "sim/show/video/png_file.h"
+#include "sim/show/video/recording_picture.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -13,7 +13,7 @@
 #include "sim/base/output_file.h"
 #include "sim/base/stop.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/trial_table/trial_table.h"
+#include "sim/study/trial_table/trial_table.h"
 
 // In handlers: system calls and lock-free numbers only.
 static_assert(std::atomic<int>::is_always_lock_free);

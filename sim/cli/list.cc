@@ -16,12 +16,12 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
 #include "sim/hand/hand_model.h"
-#include "sim/link/link_config.h"
-#include "sim/link/presets.h"
-#include "sim/scenario/scenario.h"
-#include "sim/scenario/scenario_reader.h"
 #include "sim/score/score.h"
 #include "sim/settings/setting_rows.h"
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
+#include "sim/trial/link/link_config.h"
+#include "sim/trial/link/presets.h"
 
 namespace gauntlet::sim {
 namespace {

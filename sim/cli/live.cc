@@ -23,13 +23,13 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/cli/terminal_option.h"
-#include "sim/external/external_filters.h"
 #include "sim/live/live_report.h"
 #include "sim/live/live_session.h"
-#include "sim/live_server/live_server.h"
-#include "sim/report/live_page.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/live/server/live_server.h"
 #include "sim/settings/yaml_reader.h"
+#include "sim/show/pages/live_page.h"
+#include "sim/study/scenario/scenario_reader.h"
+#include "sim/trial/external/external_filters.h"
 
 namespace gauntlet::sim {
 namespace {

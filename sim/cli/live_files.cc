@@ -8,11 +8,11 @@
 #include <memory>
 #include <utility>
 
+#include "sim/answers/compare/study_files.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
-#include "sim/comparison/study_files.h"
-#include "sim/report/report_page.h"
 #include "sim/score/metrics.h"
+#include "sim/show/pages/report_page.h"
 #include "sim/study/trial_score.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_signals.h"

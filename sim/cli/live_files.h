@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "sim/answers/compare/summary.h"
 #include "sim/base/output_file.h"
-#include "sim/comparison/summary.h"
 #include "sim/live/live_report.h"
 #include "sim/live/live_session.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 

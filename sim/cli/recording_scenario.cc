@@ -12,11 +12,11 @@
 #include "sim/base/output_file.h"
 #include "sim/base/shell_word.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/inspect/starter_files.h"
-#include "sim/recordings/csv_reader.h"
-#include "sim/recordings/file_format.h"
-#include "sim/recordings/source_bytes.h"
-#include "sim/recordings/time_columns.h"
+#include "sim/recordings/inspect/starter_files.h"
+#include "sim/tables/csv_reader.h"
+#include "sim/tables/file_format.h"
+#include "sim/tables/source_bytes.h"
+#include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {

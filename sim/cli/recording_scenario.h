@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "sim/inspect/inspection.h"
+#include "sim/recordings/inspect/inspection.h"
 
 namespace gauntlet::sim {
 

@@ -18,7 +18,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
-#include "sim/video/render_folder.h"
+#include "sim/show/video/render_folder.h"
 
 namespace gauntlet::sim {
 namespace {

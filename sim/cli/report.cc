@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "sim/answers/compare/study_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
-#include "sim/comparison/study_folder.h"
-#include "sim/report/folders_page.h"
+#include "sim/show/pages/folders_page.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,5 +1,6 @@
 
 
+#include "sim/answers/compare/study_files.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
@@ -10,8 +11,7 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/comparison/study_files.h"
-#include "sim/paper/paper_page.h"
+#include "sim/show/paper/paper_page.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -11,10 +11,10 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
-#include "sim/recordings/name_words.h"
-#include "sim/retargeting/fingertip_motion.h"
-#include "sim/retargeting/retargeting.h"
-#include "sim/retargeting/retargeting_result.h"
+#include "sim/fit/retarget/fingertip_motion.h"
+#include "sim/fit/retarget/retargeting.h"
+#include "sim/fit/retarget/retargeting_result.h"
+#include "sim/tables/name_words.h"
 
 namespace gauntlet::sim {
 namespace {

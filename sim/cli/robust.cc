@@ -1,14 +1,14 @@
+#include "sim/answers/robust/robust_tables.h"
 #include "sim/base/output_file.h"
 #include "sim/cli/cells_command.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/external/external_filters.h"
-#include "sim/report/robust_page.h"
-#include "sim/robust/robust_tables.h"
-#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/yaml_tree.h"
+#include "sim/show/pages/robust_page.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study.h"
+#include "sim/trial/external/external_filters.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -16,12 +16,12 @@
 #include "sim/cli/row_clock.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/recordings/column_scale.h"
-#include "sim/recordings/csv_reader.h"
 #include "sim/recordings/recording_reader.h"
-#include "sim/recordings/time_columns.h"
 #include "sim/recordings/time_guess.h"
-#include "sim/recordings/time_text.h"
 #include "sim/recordings/turn_counter.h"
+#include "sim/tables/csv_reader.h"
+#include "sim/tables/time_columns.h"
+#include "sim/tables/time_text.h"
 
 namespace gauntlet::sim {
 namespace {

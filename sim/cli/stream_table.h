@@ -9,8 +9,8 @@
 
 #include "controller/number.h"
 #include "sim/recordings/column_map.h"
-#include "sim/recordings/table_layout.h"
-#include "sim/recordings/text_lines.h"
+#include "sim/tables/table_layout.h"
+#include "sim/tables/text_lines.h"
 
 namespace gauntlet::sim {
 

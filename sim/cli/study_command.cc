@@ -6,6 +6,9 @@
 #include <optional>
 #include <utility>
 
+#include "sim/answers/compare/finish_study.h"
+#include "sim/answers/compare/study_files.h"
+#include "sim/answers/compare/study_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
 #include "sim/base/output_folder.h"
@@ -17,18 +20,15 @@
 #include "sim/cli/recording_scenario.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/comparison/finish_study.h"
-#include "sim/comparison/study_files.h"
-#include "sim/comparison/study_folder.h"
-#include "sim/external/external_filters.h"
-#include "sim/report/score_table.h"
-#include "sim/report/study_folder_files.h"
-#include "sim/scenario/scenario.h"
-#include "sim/scenario/scenario_reader.h"
 #include "sim/score/priority.h"
+#include "sim/show/pages/score_table.h"
+#include "sim/show/pages/study_folder_files.h"
+#include "sim/show/video/comparison_video.h"
+#include "sim/show/video/render_folder.h"
 #include "sim/study/made_with.h"
-#include "sim/video/comparison_video.h"
-#include "sim/video/render_folder.h"
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
+#include "sim/trial/external/external_filters.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -7,8 +7,8 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/terminal_option.h"
 #include "sim/hand/hand_model.h"
-#include "sim/scenario/scenario.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study.h"
 
 namespace gauntlet::sim {

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <numeric>
 
+#include "sim/answers/sweep/sweep_tables.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
@@ -14,10 +15,9 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/slurm.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/external/external_filters.h"
-#include "sim/report/sweep_page.h"
+#include "sim/show/pages/sweep_page.h"
 #include "sim/study/study.h"
-#include "sim/sweep/sweep_tables.h"
+#include "sim/trial/external/external_filters.h"
 
 namespace gauntlet::sim {
 namespace {

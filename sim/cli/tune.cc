@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include "sim/answers/tune/tune_request.h"
+#include "sim/answers/tune/tune_tables.h"
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
 #include "sim/base/output_file.h"
@@ -12,14 +14,12 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
-#include "sim/external/external_filters.h"
-#include "sim/report/tune_all_page.h"
-#include "sim/report/tune_page.h"
-#include "sim/scenario/scenario_reader.h"
-#include "sim/search/tune_request.h"
-#include "sim/search/tune_tables.h"
 #include "sim/settings/yaml_tree.h"
+#include "sim/show/pages/tune_all_page.h"
+#include "sim/show/pages/tune_page.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study.h"
+#include "sim/trial/external/external_filters.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -3,13 +3,13 @@
 
 #include "sim/base/manifest.h"
 #include "sim/base/output_file.h"
-#include "sim/calibrate/validation.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
-#include "sim/report/validation_page.h"
+#include "sim/fit/validation.h"
+#include "sim/show/pages/validation_page.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "sim/device/device_clock.h"
+#include "sim/live/device/device_clock.h"
 #include "sim/live/real_time.h"
 #include "sim/live/session_threads.h"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <thread>
 
-#include "sim/device/frame_sink.h"
+#include "sim/live/device/frame_sink.h"
 #include "sim/live/live_session.h"
 #include "sim/live/live_view.h"
 #include "sim/live/row_ring.h"

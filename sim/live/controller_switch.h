@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "controller/controller.h"
-#include "sim/loop/hand_loop.h"
+#include "sim/trial/loop/hand_loop.h"
 
 namespace gauntlet::sim {
 

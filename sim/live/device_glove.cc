@@ -7,7 +7,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
-#include "sim/device/device_clock.h"
+#include "sim/live/device/device_clock.h"
 #include "sim/live/session_threads.h"
 
 namespace gauntlet::sim {

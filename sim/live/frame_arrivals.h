@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/device/frame.h"
+#include "sim/live/device/frame.h"
 #include "sim/live/duration_histogram.h"
 #include "sim/live/trend.h"
 

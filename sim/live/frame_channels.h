@@ -6,7 +6,7 @@
 
 #include "controller/controller_config.h"
 #include "controller/number.h"
-#include "sim/device/frame.h"
+#include "sim/live/device/frame.h"
 
 namespace gauntlet::sim {
 

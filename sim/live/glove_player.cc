@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "sim/base/stop.h"
-#include "sim/device/device_clock.h"
-#include "sim/link/transport.h"
+#include "sim/live/device/device_clock.h"
+#include "sim/trial/link/transport.h"
 
 namespace gauntlet::sim {
 

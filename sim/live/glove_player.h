@@ -5,11 +5,11 @@
 #include <optional>
 
 #include "sim/base/timing.h"
-#include "sim/device/frame_sink.h"
 #include "sim/glove/glove.h"
-#include "sim/link/link_config.h"
+#include "sim/live/device/frame_sink.h"
 #include "sim/live/duration_histogram.h"
 #include "sim/live/real_time.h"
+#include "sim/trial/link/link_config.h"
 
 namespace gauntlet::sim {
 

@@ -1,6 +1,6 @@
 #include "sim/live/live_glove.h"
 
-#include "sim/device/device_clock.h"
+#include "sim/live/device/device_clock.h"
 #include "sim/live/device_glove.h"
 #include "sim/live/simulated_glove.h"
 

@@ -10,7 +10,7 @@
 #include "sim/live/real_time.h"
 #include "sim/live/session_log.h"
 #include "sim/live/stage_clock.h"
-#include "sim/loop/hand_loop.h"
+#include "sim/trial/loop/hand_loop.h"
 
 namespace gauntlet::sim {
 

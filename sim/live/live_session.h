@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/device/frame_sink.h"
-#include "sim/device/frame_source.h"
+#include "sim/live/device/frame_sink.h"
+#include "sim/live/device/frame_source.h"
 #include "sim/live/duration_histogram.h"
 #include "sim/live/frame_arrivals.h"
 #include "sim/live/frame_channels.h"

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "controller/assert.h"
-#include "sim/link/watchdog.h"
 #include "sim/live/row_ring.h"
+#include "sim/trial/link/watchdog.h"
 
 namespace gauntlet::sim {
 

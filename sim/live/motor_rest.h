@@ -6,8 +6,8 @@
 
 #include "controller/tendon_map.h"
 #include "controller/timing.h"
-#include "sim/link/link_config.h"
-#include "sim/link/watchdog.h"
+#include "sim/trial/link/link_config.h"
+#include "sim/trial/link/watchdog.h"
 
 namespace gauntlet::sim {
 

@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <ctime>
 
-#include "sim/device/device_clock.h"
+#include "sim/live/device/device_clock.h"
 
 namespace gauntlet::sim {
 namespace {

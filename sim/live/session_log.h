@@ -7,7 +7,7 @@
 
 #include "sim/live/live_session.h"
 #include "sim/live/row_ring.h"
-#include "sim/loop/hand_loop.h"
+#include "sim/trial/loop/hand_loop.h"
 #include "sim/trial/trace_recorder.h"
 
 namespace gauntlet::sim {

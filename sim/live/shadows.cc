@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/device/device_clock.h"
+#include "sim/live/device/device_clock.h"
 
 namespace gauntlet::sim {
 

@@ -16,8 +16,8 @@
 #include "sim/recordings/column_scale.h"
 #include "sim/recordings/envelope.h"
 #include "sim/recordings/log_map.h"
-#include "sim/recordings/time_columns.h"
 #include "sim/recordings/time_guess.h"
+#include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {

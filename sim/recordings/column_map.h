@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/recordings/csv_reader.h"
+#include "sim/tables/csv_reader.h"
 
 namespace gauntlet::sim {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/recordings/missing.h"
+#include "sim/tables/missing.h"
 
 namespace gauntlet::sim {
 

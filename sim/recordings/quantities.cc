@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "controller/number.h"
-#include "sim/recordings/name_words.h"
+#include "sim/tables/name_words.h"
 
 namespace gauntlet::sim {
 namespace {

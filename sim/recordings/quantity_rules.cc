@@ -2,8 +2,8 @@
 #include <array>
 #include <numbers>
 
-#include "sim/recordings/name_words.h"
 #include "sim/recordings/quantities.h"
+#include "sim/tables/name_words.h"
 
 namespace gauntlet::sim {
 namespace {

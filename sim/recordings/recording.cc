@@ -10,10 +10,10 @@
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/recordings/glitches.h"
-#include "sim/recordings/missing.h"
 #include "sim/recordings/pchip.h"
-#include "sim/recordings/recording_problem.h"
 #include "sim/recordings/table_source.h"
+#include "sim/tables/missing.h"
+#include "sim/tables/recording_problem.h"
 
 namespace gauntlet::sim {
 namespace {

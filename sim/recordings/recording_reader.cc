@@ -9,9 +9,9 @@
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/recordings/column_scale.h"
-#include "sim/recordings/missing.h"
-#include "sim/recordings/recording_problem.h"
 #include "sim/recordings/turn_counter.h"
+#include "sim/tables/missing.h"
+#include "sim/tables/recording_problem.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -12,9 +12,9 @@
 #include "sim/base/channels.h"
 #include "sim/recordings/column_map.h"
 #include "sim/recordings/column_scale.h"
-#include "sim/recordings/csv_reader.h"
 #include "sim/recordings/envelope.h"
-#include "sim/recordings/missing.h"
+#include "sim/tables/csv_reader.h"
+#include "sim/tables/missing.h"
 
 namespace gauntlet::sim {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/recordings/array_table.h"
-#include "sim/recordings/csv_reader.h"
-#include "sim/recordings/message_table.h"
+#include "sim/tables/array_table.h"
+#include "sim/tables/csv_reader.h"
+#include "sim/tables/message_table.h"
 
 namespace gauntlet::sim {
 

@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "controller/number.h"
-#include "sim/recordings/name_words.h"
 #include "sim/recordings/quantities.h"
 #include "sim/recordings/table_statistics.h"
-#include "sim/recordings/time_columns.h"
-#include "sim/recordings/time_text.h"
+#include "sim/tables/name_words.h"
+#include "sim/tables/time_columns.h"
+#include "sim/tables/time_text.h"
 
 namespace gauntlet::sim {
 namespace {

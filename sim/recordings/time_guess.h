@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim/recordings/column_map.h"
-#include "sim/recordings/table_layout.h"
+#include "sim/tables/table_layout.h"
 
 namespace gauntlet::sim {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/mathematics.h"
-#include "sim/scenario/scenario_files.h"
+#include "sim/study/scenario/scenario_files.h"
 
 namespace gauntlet::sim {
 

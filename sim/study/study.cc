@@ -14,15 +14,15 @@
 #include "sim/base/error.h"
 #include "sim/base/fast_hash.h"
 #include "sim/base/nearest_name.h"
-#include "sim/external/external_filters.h"
 #include "sim/glove/motions/postures.h"
 #include "sim/hand/camera_view.h"
-#include "sim/recordings/name_words.h"
 #include "sim/recordings/recording.h"
-#include "sim/scenario/scenario_reader.h"
 #include "sim/score/delay.h"
 #include "sim/study/counted_parts.h"
 #include "sim/study/prediction_fit.h"
+#include "sim/study/scenario/scenario_reader.h"
+#include "sim/tables/name_words.h"
+#include "sim/trial/external/external_filters.h"
 #include "sim/trial/joint_angles.h"
 
 namespace gauntlet::sim {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "sim/hand/fingertips.h"
-#include "sim/scenario/scenario.h"
-#include "sim/scenario/scenario_reader.h"
 #include "sim/score/score.h"
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/trial/trial.h"
 
 namespace gauntlet::sim {

@@ -8,8 +8,8 @@
 
 #include "sim/base/hash.h"
 #include "sim/base/mathematics.h"
-#include "sim/external/external_filters.h"
-#include "sim/scenario/scenario_files.h"
+#include "sim/study/scenario/scenario_files.h"
+#include "sim/trial/external/external_filters.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -9,12 +9,12 @@
 
 #include "sim/base/error.h"
 #include "sim/base/threads.h"
-#include "sim/external/external_filters.h"
 #include "sim/score/no_score.h"
 #include "sim/study/repeats.h"
 #include "sim/study/study_room.h"
 #include "sim/study/trial_queue.h"
 #include "sim/study/trial_score.h"
+#include "sim/trial/external/external_filters.h"
 #include "sim/trial/filter_trial.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_recorder.h"

@@ -8,7 +8,7 @@
 #include "controller/periodic_clock.h"
 #include "controller/sample_guard.h"
 #include "sim/base/stop.h"
-#include "sim/external/external_filters.h"
+#include "sim/trial/external/external_filters.h"
 
 namespace gauntlet::sim {
 namespace {

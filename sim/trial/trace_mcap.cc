@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/base/output_file.h"
-#include "sim/recordings/mcap_writer.h"
+#include "sim/tables/mcap_writer.h"
 #include "sim/trial/trace_signals.h"
 
 namespace gauntlet::sim {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/loop/hand_loop.h"
+#include "sim/trial/loop/hand_loop.h"
 #include "sim/trial/trace.h"
 
 namespace gauntlet::sim {

@@ -5,7 +5,7 @@
 #include "controller/assert.h"
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
-#include "sim/external/external_filters.h"
+#include "sim/trial/external/external_filters.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_recorder.h"
 

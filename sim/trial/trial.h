@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/glove/glove.h"
-#include "sim/loop/hand_loop.h"
+#include "sim/trial/loop/hand_loop.h"
 #include "sim/trial/trace.h"
 
 namespace gauntlet::sim {

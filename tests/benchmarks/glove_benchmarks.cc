@@ -10,8 +10,8 @@
 #include "sim/glove/glove.h"
 #include "sim/glove/noise/box_muller.h"
 #include "sim/glove/noise/galton_board.h"
-#include "sim/recordings/csv_reader.h"
 #include "sim/recordings/recording_reader.h"
+#include "sim/tables/csv_reader.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -17,8 +17,8 @@
 #include <functional>
 #include <vector>
 
-#include "sim/comparison/study_files.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/answers/compare/study_files.h"
+#include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -19,11 +19,11 @@
 #include <string>
 #include <vector>
 
-#include "sim/video/comparison_picture.h"
-#include "sim/video/folder_video.h"
-#include "sim/video/hand_view.h"
-#include "sim/video/osmesa_renderer.h"
-#include "sim/video/scene_geoms.h"
+#include "sim/show/video/comparison_picture.h"
+#include "sim/show/video/folder_video.h"
+#include "sim/show/video/hand_view.h"
+#include "sim/show/video/osmesa_renderer.h"
+#include "sim/show/video/scene_geoms.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // From what a glove says of known poses back to its curves and to the covariance of its noise.
-#include "sim/calibrate/calibration.h"
+#include "sim/fit/calibration.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

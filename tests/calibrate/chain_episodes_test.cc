@@ -1,5 +1,5 @@
 // A log of several episodes: what some say of the hand holds for the others, or it is told.
-#include "sim/calibrate/chain_episodes.h"
+#include "sim/fit/chain_episodes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

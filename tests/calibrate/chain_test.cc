@@ -10,10 +10,10 @@
 #include <optional>
 
 #include "sim/base/error.h"
-#include "sim/calibrate/chain_fit.h"
-#include "sim/calibrate/chain_log.h"
-#include "sim/calibrate/chain_model.h"
-#include "sim/calibrate/chain_results.h"
+#include "sim/fit/chain_fit.h"
+#include "sim/fit/chain_log.h"
+#include "sim/fit/chain_model.h"
+#include "sim/fit/chain_results.h"
 #include "tests/calibrate/simulated_chain.h"
 #include "tests/support/program.h"
 

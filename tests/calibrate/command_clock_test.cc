@@ -1,5 +1,5 @@
 // When frames were sent, from rows that see each of them up to a row late.
-#include "sim/calibrate/command_clock.h"
+#include "sim/fit/command_clock.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/calibrate/chain_log.h"
+#include "sim/fit/chain_log.h"
 #include "sim/hand/hand_model.h"
 #include "tests/controller/test_signal.h"
 

@@ -1,4 +1,4 @@
-#include "sim/calibrate/least_squares.h"
+#include "sim/fit/least_squares.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

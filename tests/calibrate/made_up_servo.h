@@ -8,7 +8,7 @@
 
 #include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
-#include "sim/calibrate/chain_log.h"
+#include "sim/fit/chain_log.h"
 
 namespace gauntlet::test {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/calibrate/calibration.h"
-#include "sim/calibrate/resolution.h"
+#include "sim/fit/calibration.h"
+#include "sim/fit/resolution.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

@@ -1,5 +1,5 @@
 // The servo of logs that the simulated servo made with other settings.
-#include "sim/calibrate/servo_search.h"
+#include "sim/fit/servo_search.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 
 #include "sim/base/data_folder.h"
 #include "sim/base/signal.h"
-#include "sim/calibrate/chain_fit.h"
-#include "sim/calibrate/simulated_answer.h"
+#include "sim/fit/chain_fit.h"
+#include "sim/fit/simulated_answer.h"
 #include "tests/calibrate/made_up_servo.h"
 
 namespace gauntlet::sim {

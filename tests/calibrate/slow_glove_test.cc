@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/calibrate/pose_recording.h"
+#include "sim/fit/pose_recording.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

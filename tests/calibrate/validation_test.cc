@@ -1,6 +1,6 @@
 // The simulated servo beside one by other equations: it holds for a servo, and not for a hand that
 // is stopped by an object.
-#include "sim/calibrate/validation.h"
+#include "sim/fit/validation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

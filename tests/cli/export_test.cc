@@ -9,8 +9,8 @@
 
 #include "controller/controller.h"
 #include "sim/base/random.h"
-#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/robot_file.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"

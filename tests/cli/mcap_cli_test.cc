@@ -13,9 +13,9 @@
 
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
-#include "sim/recordings/mcap_writer.h"
-#include "sim/recordings/source_bytes.h"
 #include "sim/recordings/table_source.h"
+#include "sim/tables/mcap_writer.h"
+#include "sim/tables/source_bytes.h"
 #include "tests/support/long_test.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"

@@ -17,7 +17,7 @@
 
 #include "controller/controller_config.h"
 #include "controller/filters/filter_registry.h"
-#include "sim/external/external_filters.h"
+#include "sim/trial/external/external_filters.h"
 #include "tests/support/program.h"
 #include "tests/support/read_file.h"
 

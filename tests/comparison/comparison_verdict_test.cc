@@ -1,5 +1,5 @@
 // Which controller a comparison recommends, and in which words.
-#include "sim/comparison/comparison_verdict.h"
+#include "sim/answers/compare/comparison_verdict.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

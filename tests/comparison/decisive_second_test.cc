@@ -1,5 +1,5 @@
 // Where the hands of a comparison differ most.
-#include "sim/comparison/decisive_second.h"
+#include "sim/answers/compare/decisive_second.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/statistics/judgement.h"
+#include "sim/score/statistics/judgement.h"
 
 #include <gtest/gtest.h>
 

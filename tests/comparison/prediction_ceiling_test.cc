@@ -1,4 +1,4 @@
-#include "sim/comparison/prediction_ceiling.h"
+#include "sim/answers/compare/prediction_ceiling.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "sim/answers/compare/comparison_verdict.h"
+#include "sim/answers/compare/summary.h"
 #include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
-#include "sim/comparison/comparison_verdict.h"
-#include "sim/comparison/summary.h"
 
 namespace gauntlet::sim {
 namespace {

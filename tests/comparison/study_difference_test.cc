@@ -1,5 +1,5 @@
 // What differs between made-up output folders whose difference is known.
-#include "sim/comparison/study_difference.h"
+#include "sim/answers/compare/study_difference.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/comparison/study_folder.h"
+#include "sim/answers/compare/study_folder.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "sim/answers/compare/study_files.h"
 #include "sim/base/error.h"
-#include "sim/comparison/study_files.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,12 +1,12 @@
 // What a comparison says of made-up scores whose answer is known.
-#include "sim/comparison/summary.h"
+#include "sim/answers/compare/summary.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "sim/comparison/comparison_verdict.h"
+#include "sim/answers/compare/comparison_verdict.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/device/address.h"
+#include "sim/live/device/address.h"
 
 #include <gmock/gmock.h>
 

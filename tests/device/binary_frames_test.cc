@@ -1,4 +1,4 @@
-#include "sim/device/binary_frames.h"
+#include "sim/live/device/binary_frames.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "sim/device/cyberglove_frames.h"
+#include "sim/live/device/cyberglove_frames.h"
 
 #include <gtest/gtest.h>
 

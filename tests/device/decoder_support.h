@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/device/frame_decoder.h"
+#include "sim/live/device/frame_decoder.h"
 
 namespace gauntlet::sim {
 

@@ -1,4 +1,4 @@
-#include "sim/device/frame_sink.h"
+#include "sim/live/device/frame_sink.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -15,8 +15,8 @@
 
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
-#include "sim/device/frame_source.h"
-#include "sim/recordings/missing.h"
+#include "sim/live/device/frame_source.h"
+#include "sim/tables/missing.h"
 #include "tests/device/decoder_support.h"
 #include "tests/device/free_port.h"
 #include "tests/device/pseudo_terminal.h"

@@ -1,4 +1,4 @@
-#include "sim/device/frame_source.h"
+#include "sim/live/device/frame_source.h"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/device/binary_frames.h"
-#include "sim/device/device_clock.h"
+#include "sim/live/device/binary_frames.h"
+#include "sim/live/device/device_clock.h"
 #include "tests/device/decoder_support.h"
 #include "tests/device/free_port.h"
 #include "tests/device/pseudo_terminal.h"

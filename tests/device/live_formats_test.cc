@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sim/base/csv_line.h"
-#include "sim/device/binary_frames.h"
+#include "sim/live/device/binary_frames.h"
 #include "tests/device/decoder_support.h"
 #include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"

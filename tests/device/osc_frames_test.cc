@@ -1,4 +1,4 @@
-#include "sim/device/osc_frames.h"
+#include "sim/live/device/osc_frames.h"
 
 #include <gmock/gmock.h>
 
@@ -6,7 +6,7 @@
 #include <string>
 
 #include "sim/base/error.h"
-#include "sim/recordings/missing.h"
+#include "sim/tables/missing.h"
 #include "tests/device/decoder_support.h"
 
 namespace gauntlet::sim {

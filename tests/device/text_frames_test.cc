@@ -1,4 +1,4 @@
-#include "sim/device/text_frames.h"
+#include "sim/live/device/text_frames.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

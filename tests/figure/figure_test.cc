@@ -1,11 +1,11 @@
 // Figures: places, widths of texts, and the SVG of each shape.
-#include "sim/figure/figure.h"
+#include "sim/show/figure/figure.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "controller/number.h"
-#include "sim/figure/panel.h"
+#include "sim/show/figure/panel.h"
 
 namespace gauntlet::sim {
 namespace {

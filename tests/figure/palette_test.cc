@@ -1,5 +1,5 @@
 // Colours are told apart: from their ground, and from each other with any kind of colour vision.
-#include "sim/figure/palette.h"
+#include "sim/show/figure/palette.h"
 
 #include <gtest/gtest.h>
 

@@ -10,14 +10,14 @@
 #include <string_view>
 
 #include "sim/base/error.h"
-#include "sim/recordings/array_table.h"
-#include "sim/recordings/json_arrays.h"
-#include "sim/recordings/mcap_file.h"
-#include "sim/recordings/message_rows.h"
-#include "sim/recordings/message_table.h"
-#include "sim/recordings/numpy_file.h"
-#include "sim/recordings/parquet_file.h"
-#include "sim/recordings/utf16.h"
+#include "sim/tables/array_table.h"
+#include "sim/tables/json_arrays.h"
+#include "sim/tables/mcap_file.h"
+#include "sim/tables/message_rows.h"
+#include "sim/tables/message_table.h"
+#include "sim/tables/numpy_file.h"
+#include "sim/tables/parquet_file.h"
+#include "sim/tables/utf16.h"
 #include "tests/fuzz/edited_copy.h"
 #include "tests/support/source_dir.h"
 

@@ -10,9 +10,9 @@
 #include <string_view>
 
 #include "sim/base/error.h"
-#include "sim/calibrate/calibration.h"
-#include "sim/calibrate/pose_recording.h"
-#include "sim/recordings/file_format.h"
+#include "sim/fit/calibration.h"
+#include "sim/fit/pose_recording.h"
+#include "sim/tables/file_format.h"
 
 namespace gauntlet::sim {
 namespace {

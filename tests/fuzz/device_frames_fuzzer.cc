@@ -10,7 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/device/frame_decoder.h"
+#include "sim/live/device/frame_decoder.h"
 #include "sim/live/frame_arrivals.h"
 #include "sim/live/frame_channels.h"
 

@@ -8,11 +8,11 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "sim/answers/compare/study_difference.h"
+#include "sim/answers/compare/study_files.h"
+#include "sim/answers/compare/study_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/manifest.h"
-#include "sim/comparison/study_difference.h"
-#include "sim/comparison/study_files.h"
-#include "sim/comparison/study_folder.h"
 #include "tests/fuzz/edited_copy.h"
 
 namespace gauntlet::sim {

@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "sim/base/error.h"
-#include "sim/calibrate/chain_episodes.h"
-#include "sim/recordings/file_format.h"
+#include "sim/fit/chain_episodes.h"
+#include "sim/tables/file_format.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "sim/recordings/time_text.h"
-#include "sim/scenario/scenario_reader.h"
-#include "sim/video/recording_picture.h"
+#include "sim/show/video/recording_picture.h"
+#include "sim/study/scenario/scenario_reader.h"
+#include "sim/tables/time_text.h"
 #include "tests/inspect/inspected_text.h"
 
 namespace gauntlet::sim {

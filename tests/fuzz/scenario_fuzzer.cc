@@ -4,8 +4,8 @@
 #include <string>
 
 #include "sim/base/error.h"
-#include "sim/scenario/scenario.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -12,8 +12,8 @@
 #include <sstream>
 
 #include "sim/base/error.h"
-#include "sim/scenario/scenario_reader.h"
-#include "sim/trial_table/study_database.h"
+#include "sim/study/scenario/scenario_reader.h"
+#include "sim/study/trial_table/study_database.h"
 #include "tests/fuzz/edited_copy.h"
 
 namespace gauntlet::sim {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sim/glove/glove.h"
-#include "sim/scenario/scenario.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "tests/support/ready_scenarios.h"
 
 namespace gauntlet::sim {

@@ -11,8 +11,8 @@
 #include <string_view>
 
 #include "sim/base/error.h"
-#include "sim/inspect/inspection.h"
-#include "sim/inspect/starter_files.h"
+#include "sim/recordings/inspect/inspection.h"
+#include "sim/recordings/inspect/starter_files.h"
 #include "sim/recordings/recording_reader.h"
 #include "sim/recordings/table_source.h"
 

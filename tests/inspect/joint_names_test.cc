@@ -1,4 +1,4 @@
-#include "sim/inspect/joint_names.h"
+#include "sim/recordings/inspect/joint_names.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // What a receiver makes of arrivals that come from outside: it has no clock of its own.
-#include "sim/link/receiver.h"
+#include "sim/trial/link/receiver.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/link/transport.h"
+#include "sim/trial/link/transport.h"
 
 namespace gauntlet::sim {
 namespace {

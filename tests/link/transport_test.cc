@@ -1,5 +1,5 @@
 // Laws of the simulated link: what is set is what frames meet.
-#include "sim/link/transport.h"
+#include "sim/trial/link/transport.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "sim/link/presets.h"
+#include "sim/trial/link/presets.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/link/watchdog.h"
+#include "sim/trial/link/watchdog.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/loop/hand_loop.h"
+#include "sim/trial/loop/hand_loop.h"
 #include "tests/hand/hand_fixture.h"
 #include "tests/hand/sine_delay.h"
 

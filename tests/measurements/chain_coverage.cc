@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/calibrate/chain_fit.h"
+#include "sim/fit/chain_fit.h"
 #include "tests/calibrate/other_chains.h"
 #include "tests/calibrate/simulated_chain.h"
 

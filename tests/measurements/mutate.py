@@ -34,10 +34,10 @@ FOLDERS = {
                     "controller_filter_properties_test")),
     "score": ("sim/score", (), ("score_test",)),
     "recordings": ("sim/recordings", (), ("recordings_test",)),
-    "statistics": ("sim/statistics", (), ("statistics_test", "comparison_test")),
-    "comparison": ("sim/comparison", (), ("comparison_test", "study_test")),
+    "statistics": ("sim/score/statistics", (), ("statistics_test", "comparison_test")),
+    "comparison": ("sim/answers/compare", (), ("comparison_test", "study_test")),
     "study": ("sim/study", (), ("study_test", "comparison_test")),
-    "sweep": ("sim/sweep", (), ("sweep_test",)),
+    "sweep": ("sim/answers/sweep", (), ("sweep_test",)),
 }
 SWAPS = {
     "comparison": {" < ": (" <= ",), " <= ": (" < ",), " > ": (" >= ",), " >= ": (" > ",),

@@ -13,10 +13,10 @@
 
 #include "controller/calibration/predictor_fit.h"
 #include "controller/prediction/horizon.h"
-#include "sim/calibrate/chain_results.h"
-#include "sim/scenario/scenario.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/fit/chain_results.h"
 #include "sim/study/prediction_fit.h"
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study.h"
 #include "sim/study/trial_score.h"
 #include "sim/trial/joint_angles.h"

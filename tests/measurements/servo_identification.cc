@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "controller/calibration/robust_statistics.h"
-#include "sim/calibrate/answering_servo.h"
-#include "sim/calibrate/identified_servo.h"
-#include "sim/calibrate/simulated_answer.h"
+#include "sim/fit/answering_servo.h"
+#include "sim/fit/identified_servo.h"
+#include "sim/fit/simulated_answer.h"
 #include "sim/hand/hand_model.h"
 #include "tests/calibrate/joint_commands.h"
 

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "sim/base/data_folder.h"
-#include "sim/video/hand_picture.h"
+#include "sim/show/video/hand_picture.h"
 #include "tests/hand/hand_fixture.h"
 #include "tests/hand/opposition.h"
 #include "tests/hand/slow_motion.h"

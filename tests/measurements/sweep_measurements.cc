@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "sim/base/random.h"
-#include "sim/report/sweep_page.h"
+#include "sim/show/pages/sweep_page.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {

@@ -1,5 +1,5 @@
 // The paper's experiments, in their quick form, against values that are known otherwise.
-#include "sim/paper/paper_experiment.h"
+#include "sim/show/paper/paper_experiment.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/recordings/bone_names.h"
-#include "sim/recordings/bvh_file.h"
-#include "sim/recordings/file_format.h"
-#include "sim/recordings/source_bytes.h"
+#include "sim/recordings/keypoints/bone_names.h"
+#include "sim/recordings/keypoints/bvh_file.h"
 #include "sim/recordings/table_source.h"
+#include "sim/tables/file_format.h"
+#include "sim/tables/source_bytes.h"
 #include "tests/recordings/posed_hand.h"
 #include "tests/support/program.h"
 

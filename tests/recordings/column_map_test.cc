@@ -11,7 +11,7 @@
 #include "sim/base/channels.h"
 #include "sim/base/signal.h"
 #include "sim/recordings/recording_reader.h"
-#include "sim/recordings/time_text.h"
+#include "sim/tables/time_text.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 

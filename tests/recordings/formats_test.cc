@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/recordings/array_table.h"
-#include "sim/recordings/file_format.h"
-#include "sim/recordings/json_arrays.h"
-#include "sim/recordings/numpy_file.h"
 #include "sim/recordings/table_source.h"
-#include "sim/recordings/utf16.h"
+#include "sim/tables/array_table.h"
+#include "sim/tables/file_format.h"
+#include "sim/tables/json_arrays.h"
+#include "sim/tables/numpy_file.h"
+#include "sim/tables/utf16.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

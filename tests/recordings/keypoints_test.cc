@@ -18,11 +18,11 @@
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
-#include "sim/recordings/joint_unit.h"
-#include "sim/recordings/keypoint_angles.h"
-#include "sim/recordings/keypoint_layout.h"
-#include "sim/recordings/source_bytes.h"
+#include "sim/recordings/keypoints/keypoint_angles.h"
+#include "sim/recordings/keypoints/keypoint_layout.h"
 #include "sim/recordings/table_source.h"
+#include "sim/tables/joint_unit.h"
+#include "sim/tables/source_bytes.h"
 #include "tests/recordings/posed_hand.h"
 
 namespace gauntlet::sim::testing {

@@ -1,4 +1,4 @@
-#include "sim/recordings/name_words.h"
+#include "sim/tables/name_words.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

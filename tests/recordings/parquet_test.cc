@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/recordings/parquet_file.h"
-#include "sim/recordings/source_bytes.h"
 #include "sim/recordings/table_source.h"
+#include "sim/tables/parquet_file.h"
+#include "sim/tables/source_bytes.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 

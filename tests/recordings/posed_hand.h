@@ -15,8 +15,8 @@
 #include "sim/base/random.h"
 #include "sim/base/signal.h"
 #include "sim/hand/hand_model.h"
-#include "sim/recordings/keypoint_angles.h"
-#include "sim/recordings/keypoint_layout.h"
+#include "sim/recordings/keypoints/keypoint_angles.h"
+#include "sim/recordings/keypoints/keypoint_layout.h"
 
 namespace gauntlet::sim::testing {
 

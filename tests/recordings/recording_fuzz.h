@@ -10,12 +10,12 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/recordings/bvh_file.h"
-#include "sim/recordings/file_format.h"
 #include "sim/recordings/glitches.h"
-#include "sim/recordings/keypoint_table.h"
+#include "sim/recordings/keypoints/bvh_file.h"
+#include "sim/recordings/keypoints/keypoint_table.h"
 #include "sim/recordings/recording_reader.h"
-#include "sim/recordings/source_bytes.h"
+#include "sim/tables/file_format.h"
+#include "sim/tables/source_bytes.h"
 
 namespace gauntlet::sim {
 

@@ -10,9 +10,9 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/recordings/csv_reader.h"
 #include "sim/recordings/pchip.h"
 #include "sim/recordings/recording.h"
+#include "sim/tables/csv_reader.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {

@@ -10,7 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/recordings/recording.h"
-#include "sim/recordings/recording_problem.h"
+#include "sim/tables/recording_problem.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

@@ -19,9 +19,9 @@
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
-#include "sim/recordings/keypoint_layout.h"
-#include "sim/recordings/source_bytes.h"
+#include "sim/recordings/keypoints/keypoint_layout.h"
 #include "sim/recordings/table_source.h"
+#include "sim/tables/source_bytes.h"
 #include "tests/recordings/posed_hand.h"
 #include "tests/support/program.h"
 

@@ -1,4 +1,4 @@
-#include "sim/recordings/table_layout.h"
+#include "sim/tables/table_layout.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

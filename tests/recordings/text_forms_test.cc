@@ -1,13 +1,13 @@
 // Texts whose rows are no plain rows of numbers become tables.
-#include "sim/recordings/text_forms.h"
+#include "sim/tables/text_forms.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "sim/recordings/csv_reader.h"
-#include "sim/recordings/source_bytes.h"
+#include "sim/tables/csv_reader.h"
+#include "sim/tables/source_bytes.h"
 
 namespace gauntlet::sim {
 namespace {

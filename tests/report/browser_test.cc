@@ -16,13 +16,13 @@
 #include <random>
 #include <sstream>
 
+#include "sim/answers/compare/comparison_verdict.h"
 #include "sim/base/json.h"
-#include "sim/comparison/comparison_verdict.h"
-#include "sim/report/controllers_front.h"
-#include "sim/report/page_data.h"
-#include "sim/report/report_page.h"
-#include "sim/report/score_table.h"
 #include "sim/results/html_text.h"
+#include "sim/show/pages/controllers_front.h"
+#include "sim/show/pages/page_data.h"
+#include "sim/show/pages/report_page.h"
+#include "sim/show/pages/score_table.h"
 #include "tests/report/made_up_study.h"
 
 namespace gauntlet::sim {

@@ -1,6 +1,6 @@
 // Pages of many settings: what stands there without scripts, what scripts add, and how large it
 // gets.
-#include "sim/report/cells_page.h"
+#include "sim/show/pages/cells_page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <map>
 
-#include "sim/report/interval_chart.h"
-#include "sim/report/tune_page.h"
-#include "sim/sweep/sweep_tables.h"
+#include "sim/answers/sweep/sweep_tables.h"
+#include "sim/show/pages/interval_chart.h"
+#include "sim/show/pages/tune_page.h"
 #include "tests/report/browser.h"
 
 namespace gauntlet::sim {

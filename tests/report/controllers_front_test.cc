@@ -1,5 +1,5 @@
 // Jitter against delay of the controllers of a report page.
-#include "sim/report/controllers_front.h"
+#include "sim/show/pages/controllers_front.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

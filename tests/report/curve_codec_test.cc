@@ -1,4 +1,4 @@
-#include "sim/report/curve_codec.h"
+#include "sim/show/pages/curve_codec.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

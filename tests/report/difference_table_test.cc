@@ -1,4 +1,4 @@
-#include "sim/report/difference_table.h"
+#include "sim/show/pages/difference_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // The error's causes as a person sees them: shares that sum to the whole, and parts below 0 as they
 // are.
-#include "sim/report/error_split_table.h"
+#include "sim/show/pages/error_split_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 
 #include "sim/base/csv_line.h"
 #include "sim/base/json.h"
-#include "sim/report/page_data.h"
-#include "sim/report/score_table.h"
+#include "sim/show/pages/page_data.h"
+#include "sim/show/pages/score_table.h"
 #include "tests/report/made_up_study.h"
 
 namespace gauntlet::sim {

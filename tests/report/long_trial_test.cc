@@ -8,9 +8,9 @@
 #include <map>
 #include <string>
 
+#include "sim/answers/compare/study_files.h"
 #include "sim/base/error.h"
-#include "sim/comparison/study_files.h"
-#include "sim/report/report_page.h"
+#include "sim/show/pages/report_page.h"
 #include "tests/support/program.h"
 #include "tests/support/signal_limits.h"
 

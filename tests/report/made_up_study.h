@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/comparison/summary.h"
-#include "sim/report/page_data.h"
+#include "sim/answers/compare/summary.h"
+#include "sim/show/pages/page_data.h"
 
 namespace gauntlet::test {
 

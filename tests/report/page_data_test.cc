@@ -1,11 +1,11 @@
-#include "sim/report/page_data.h"
+#include "sim/show/pages/page_data.h"
 
 #include <gtest/gtest.h>
 
 #include "sim/base/json.h"
-#include "sim/report/curve_codec.h"
-#include "sim/report/report_page.h"
 #include "sim/results/html_text.h"
+#include "sim/show/pages/curve_codec.h"
+#include "sim/show/pages/report_page.h"
 #include "tests/report/curve_decoder.h"
 #include "tests/report/made_up_study.h"
 

@@ -7,9 +7,9 @@
 
 #include <memory>
 
-#include "sim/comparison/decisive_second.h"
+#include "sim/answers/compare/decisive_second.h"
 #include "sim/hand/posture.h"
-#include "sim/report/report_page.h"
+#include "sim/show/pages/report_page.h"
 #include "sim/study/study_run.h"
 #include "tests/report/browser.h"
 #include "tests/support/source_dir.h"

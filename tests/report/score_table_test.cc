@@ -1,4 +1,4 @@
-#include "sim/report/score_table.h"
+#include "sim/show/pages/score_table.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -8,7 +8,7 @@
 #include <regex>
 #include <sstream>
 
-#include "sim/comparison/comparison_verdict.h"
+#include "sim/answers/compare/comparison_verdict.h"
 #include "tests/report/made_up_study.h"
 
 namespace gauntlet::sim {

@@ -1,5 +1,5 @@
 // Drawings of curves and bars.
-#include "sim/report/svg_chart.h"
+#include "sim/show/pages/svg_chart.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

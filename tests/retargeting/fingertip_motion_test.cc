@@ -1,4 +1,4 @@
-#include "sim/retargeting/fingertip_motion.h"
+#include "sim/fit/retarget/fingertip_motion.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <string>
 
 #include "sim/base/error.h"
-#include "sim/retargeting/retargeting.h"
+#include "sim/fit/retarget/retargeting.h"
 #include "tests/retargeting/motions.h"
 
 namespace gauntlet::sim::testing {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "sim/base/random.h"
-#include "sim/recordings/name_words.h"
+#include "sim/tables/name_words.h"
 #include "tests/retargeting/motions.h"
 
 namespace gauntlet::sim::testing {

@@ -7,7 +7,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/random.h"
-#include "sim/recordings/name_words.h"
+#include "sim/tables/name_words.h"
 #include "tests/retargeting/motions.h"
 
 namespace gauntlet::sim::testing {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "sim/base/signal.h"
+#include "sim/fit/retarget/fingertip_motion.h"
 #include "sim/hand/hand_kinematics.h"
-#include "sim/recordings/name_words.h"
-#include "sim/retargeting/fingertip_motion.h"
+#include "sim/tables/name_words.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::sim::testing {

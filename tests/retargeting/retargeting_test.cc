@@ -1,4 +1,4 @@
-#include "sim/retargeting/retargeting.h"
+#include "sim/fit/retarget/retargeting.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Robustness: which hands are tried, and that made-up scores give the shares and bars they must.
-#include "sim/robust/robust.h"
+#include "sim/answers/robust/robust.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <fstream>
 #include <memory>
 
+#include "sim/answers/robust/robust_tables.h"
 #include "sim/base/error.h"
-#include "sim/robust/robust_tables.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

@@ -1,5 +1,5 @@
 // A controller's settings may come from a file of its own: `!include`, there and nowhere else.
-#include "sim/scenario/included_controllers.h"
+#include "sim/study/scenario/included_controllers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "sim/base/error.h"
-#include "sim/scenario/scenario.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

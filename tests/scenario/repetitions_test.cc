@@ -1,6 +1,6 @@
 // A comparison repeats what varies in the world: lists of values below `repetitions` become whole
 // gloves, and what could not be compared is refused with its place.
-#include "sim/scenario/repetitions.h"
+#include "sim/study/scenario/repetitions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 
 #include "sim/base/error.h"
 #include "sim/glove/motions/motion_config.h"
-#include "sim/scenario/scenario.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

@@ -1,5 +1,5 @@
 // Every scenario that is shipped loads, says what it asks, and survives being written and read.
-#include "sim/scenario/scenario.h"
+#include "sim/study/scenario/scenario.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "sim/base/error.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "tests/support/program.h"
 #include "tests/support/ready_scenarios.h"
 #include "tests/support/source_dir.h"

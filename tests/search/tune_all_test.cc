@@ -1,5 +1,5 @@
 // Every kind of filter gets the same search, and is judged on the same seeds.
-#include "sim/search/tune_all.h"
+#include "sim/answers/tune/tune_all.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,11 +9,11 @@
 #include <set>
 
 #include "controller/filters/filter_registry.h"
+#include "sim/answers/tune/filter_search.h"
+#include "sim/answers/tune/tune_tables.h"
 #include "sim/base/random.h"
-#include "sim/scenario/scenario_reader.h"
-#include "sim/search/filter_search.h"
-#include "sim/search/tune_tables.h"
 #include "sim/settings/yaml_tree.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

@@ -1,5 +1,5 @@
 // Tuning finds what is known to be best, and says what held-out seeds say.
-#include "sim/search/tune.h"
+#include "sim/answers/tune/tune.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,12 +9,12 @@
 #include <fstream>
 
 #include "controller/filters/filter_registry.h"
+#include "sim/answers/tune/optimise.h"
+#include "sim/answers/tune/tune_tables.h"
 #include "sim/base/error.h"
 #include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
-#include "sim/scenario/scenario_reader.h"
-#include "sim/search/optimise.h"
-#include "sim/search/tune_tables.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

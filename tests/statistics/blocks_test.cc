@@ -1,4 +1,4 @@
-#include "sim/statistics/blocks.h"
+#include "sim/score/statistics/blocks.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
-#include "sim/statistics/statistics.h"
+#include "sim/score/statistics/statistics.h"
 #include "tests/statistics/simulated_recordings.h"
 
 namespace gauntlet::sim {

@@ -8,8 +8,8 @@
 
 #include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
-#include "sim/statistics/blocks.h"
-#include "sim/statistics/statistics.h"
+#include "sim/score/statistics/blocks.h"
+#include "sim/score/statistics/statistics.h"
 
 namespace gauntlet::sim {
 namespace {

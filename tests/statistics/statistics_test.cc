@@ -1,4 +1,4 @@
-#include "sim/statistics/statistics.h"
+#include "sim/score/statistics/statistics.h"
 
 #include <gtest/gtest.h>
 

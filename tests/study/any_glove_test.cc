@@ -9,7 +9,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/signal.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
 
 namespace gauntlet::sim {

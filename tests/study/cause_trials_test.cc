@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
 #include "tests/support/program.h"
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "controller/filters/filter_registry.h"
-#include "sim/scenario/scenario.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {

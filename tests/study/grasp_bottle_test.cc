@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
 #include "tests/support/source_dir.h"
 

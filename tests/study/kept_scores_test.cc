@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
 #include "sim/study/trial_score.h"
 

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/scenario/scenario_reader.h"
 #include "sim/settings/setting_rows.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"

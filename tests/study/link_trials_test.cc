@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/link/delay_draw.h"
-#include "sim/link/transport_config.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
+#include "sim/trial/link/delay_draw.h"
+#include "sim/trial/link/transport_config.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

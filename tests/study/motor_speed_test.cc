@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <map>
 
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study.h"
 #include "sim/trial/joint_angles.h"
 #include "tests/support/source_dir.h"

@@ -1,8 +1,8 @@
 // Filters that differ by nothing that matters are told apart in no score.
 #include <gtest/gtest.h>
 
-#include "sim/comparison/summary.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/answers/compare/summary.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {

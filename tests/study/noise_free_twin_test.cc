@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "sim/scenario/scenario.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
-#include "sim/trial_table/study_database.h"
+#include "sim/study/trial_table/study_database.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

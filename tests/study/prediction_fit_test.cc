@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <string>
 
-#include "sim/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
 #include "tests/support/program.h"
 

@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "sim/scenario/scenario_reader.h"
 #include "sim/score/score.h"
-#include "sim/trial_table/study_database.h"
+#include "sim/study/scenario/scenario_reader.h"
+#include "sim/study/trial_table/study_database.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

@@ -1,5 +1,5 @@
 // Early stop: the winner is that of all seeds, and most seeds are saved.
-#include "sim/sweep/early_stop.h"
+#include "sim/answers/sweep/early_stop.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "sim/answers/sweep/sweep_tables.h"
 #include "sim/base/random.h"
-#include "sim/sweep/sweep_tables.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

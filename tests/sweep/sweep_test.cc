@@ -8,12 +8,12 @@
 #include <fstream>
 #include <set>
 
+#include "sim/answers/sweep/response.h"
+#include "sim/answers/sweep/sobol.h"
+#include "sim/answers/sweep/sweep_result.h"
+#include "sim/answers/sweep/sweep_tables.h"
 #include "sim/base/error.h"
-#include "sim/scenario/scenario_reader.h"
-#include "sim/sweep/response.h"
-#include "sim/sweep/sobol.h"
-#include "sim/sweep/sweep_result.h"
-#include "sim/sweep/sweep_tables.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 

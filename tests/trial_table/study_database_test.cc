@@ -1,6 +1,6 @@
 // Trials come back from the database bit by bit, and only to the study that they belong to. Locks,
 // failing disks and damaged files cost time at most.
-#include "sim/trial_table/study_database.h"
+#include "sim/study/trial_table/study_database.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // Trials of comparisons and sweeps go through one table: the same locks, seals and full disks.
-#include "sim/trial_table/trial_table.h"
+#include "sim/study/trial_table/trial_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "sim/base/error.h"
-#include "sim/trial_table/sweep_database.h"
+#include "sim/study/trial_table/sweep_database.h"
 #include "tests/support/program.h"
 #include "tests/trial_table/failing_disk.h"
 

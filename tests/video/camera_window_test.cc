@@ -1,10 +1,10 @@
-#include "sim/video/camera_window.h"
+#include "sim/show/video/camera_window.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sim/video/osmesa_renderer.h"
+#include "sim/show/video/osmesa_renderer.h"
 #include "tests/video/tiny_model.h"
 
 namespace gauntlet::sim {

@@ -1,4 +1,4 @@
-#include "sim/video/comparison_video.h"
+#include "sim/show/video/comparison_video.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -14,8 +14,8 @@
 #include <utility>
 
 #include "sim/base/error.h"
-#include "sim/video/comparison_picture.h"
-#include "sim/video/hand_picture.h"
+#include "sim/show/video/comparison_picture.h"
+#include "sim/show/video/hand_picture.h"
 #include "tests/video/small_comparison.h"
 #include "tests/video/test_files.h"
 #include "tests/video/video_reader.h"

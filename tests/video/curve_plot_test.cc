@@ -1,4 +1,4 @@
-#include "sim/video/curve_plot.h"
+#include "sim/show/video/curve_plot.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What a video shows of an output folder.
-#include "sim/video/folder_video.h"
+#include "sim/show/video/folder_video.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,14 +12,14 @@
 #include <utility>
 #include <vector>
 
+#include "sim/answers/compare/study_files.h"
+#include "sim/answers/compare/summary.h"
 #include "sim/base/quantile.h"
-#include "sim/comparison/study_files.h"
-#include "sim/comparison/summary.h"
-#include "sim/scenario/scenario_reader.h"
+#include "sim/show/video/comparison_picture.h"
+#include "sim/show/video/hand_view.h"
+#include "sim/show/video/osmesa_renderer.h"
+#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
-#include "sim/video/comparison_picture.h"
-#include "sim/video/hand_view.h"
-#include "sim/video/osmesa_renderer.h"
 #include "tests/support/source_dir.h"
 #include "tests/video/test_files.h"
 

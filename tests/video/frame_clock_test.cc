@@ -1,4 +1,4 @@
-#include "sim/video/frame_clock.h"
+#include "sim/show/video/frame_clock.h"
 
 #include <gtest/gtest.h>
 

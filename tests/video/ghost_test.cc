@@ -1,4 +1,4 @@
-#include "sim/video/ghost.h"
+#include "sim/show/video/ghost.h"
 
 #include <gtest/gtest.h>
 

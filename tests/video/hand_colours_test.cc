@@ -1,4 +1,4 @@
-#include "sim/video/hand_colours.h"
+#include "sim/show/video/hand_colours.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/video/hand_view.h"
+#include "sim/show/video/hand_view.h"
 
 #include <gtest/gtest.h>
 

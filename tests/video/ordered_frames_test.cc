@@ -1,4 +1,4 @@
-#include "sim/video/ordered_frames.h"
+#include "sim/show/video/ordered_frames.h"
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>

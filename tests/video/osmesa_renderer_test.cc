@@ -1,4 +1,4 @@
-#include "sim/video/osmesa_renderer.h"
+#include "sim/show/video/osmesa_renderer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "sim/video/painter.h"
+#include "sim/show/video/painter.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/video/png_file.h"
+#include "sim/show/video/png_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "sim/video/running_scores.h"
+#include "sim/show/video/running_scores.h"
 
 #include <gtest/gtest.h>
 

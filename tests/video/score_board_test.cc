@@ -1,4 +1,4 @@
-#include "sim/video/score_board.h"
+#include "sim/show/video/score_board.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "sim/base/error.h"
-#include "sim/video/card.h"
+#include "sim/show/video/card.h"
 #include "tests/video/test_files.h"
 
 namespace gauntlet::sim {

@@ -7,7 +7,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/hand/hand_model.h"
-#include "sim/video/comparison_video.h"
+#include "sim/show/video/comparison_video.h"
 
 namespace gauntlet::sim {
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "sim/video/image.h"
+#include "sim/show/video/image.h"
 
 namespace gauntlet::sim {
 

@@ -1,4 +1,4 @@
-#include "sim/video/video_encoder.h"
+#include "sim/show/video/video_encoder.h"
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>

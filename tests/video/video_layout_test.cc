@@ -1,4 +1,4 @@
-#include "sim/video/video_layout.h"
+#include "sim/show/video/video_layout.h"
 
 #include <gtest/gtest.h>
 

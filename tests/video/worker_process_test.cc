@@ -1,4 +1,4 @@
-#include "sim/video/worker_process.h"
+#include "sim/show/video/worker_process.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

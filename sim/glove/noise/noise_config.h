@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "controller/settings.h"
-#include "sim/recordings/csv_reader.h"
+#include "sim/tables/csv_reader.h"
 
 namespace gauntlet::sim {
 

@@ -1,0 +1,454 @@
+#include "sim/answers/compare/comparison_verdict.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "sim/results/table_text.h"
+#include "sim/score/statistics/result_cells.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// Share of the squared error from which on actuator saturation is worth a warning.
+constexpr double kMuchSaturation = 0.1;
+
+using Places = std::vector<std::size_t>;
+
+std::string Value(const Summary& summary, std::size_t controller, std::size_t metric) {
+  return Short(summary.controllers[controller].summary[metric].mean);
+}
+
+std::string ValueWithUnit(const Summary& summary, std::size_t controller, std::size_t metric) {
+  return ScoreValue(metric, summary.controllers[controller].summary[metric].mean);
+}
+
+std::string NamedValue(const Summary& summary, std::size_t controller, std::size_t metric) {
+  return NamedScore(metric, summary.controllers[controller].summary[metric].mean);
+}
+
+/// The controllers that the verdict is about, and the primary scores that all of them have.
+class Choice {
+ public:
+  explicit Choice(const Summary& summary) : summary_(summary) {
+    for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
+      if (summary.controllers[c].rank[PrimaryScores().front().metric] > 0) all_.push_back(c);
+    }
+    for (const PrimaryScore& score : PrimaryScores()) {
+      const bool whole = std::ranges::all_of(
+          all_, [&](std::size_t c) { return summary.controllers[c].rank[score.metric] > 0; });
+      (whole ? scores_ : left_out_).push_back(score.metric);
+    }
+    if (summary.one_run) return;
+    for (const std::size_t metric : scores_) {
+      if (const auto candidate = CandidateFor(metric)) candidates_.emplace_back(metric, *candidate);
+    }
+  }
+
+  const Places& all() const { return all_; }
+  const Places& scores() const { return scores_; }
+  const Places& left_out() const { return left_out_; }
+  std::optional<std::size_t> recommended() const { return For(summary_.priority.metric); }
+  /// Scores other than the priority with a controller that is better in them than the recommended
+  /// one.
+  std::vector<std::pair<std::size_t, std::size_t>> alternatives() const {
+    std::vector<std::pair<std::size_t, std::size_t>> better;
+    const std::optional<std::size_t> best = recommended();
+    for (const auto& [metric, c] : candidates_) {
+      const bool is_new =
+          std::ranges::find(better, c, &std::pair<std::size_t, std::size_t>::second) ==
+          better.end();
+      if (best && is_new && JudgementOf(metric, c, *best) == Judgement::kBetter) {
+        better.emplace_back(metric, c);
+      }
+    }
+    return better;
+  }
+  Judgement JudgementOf(std::size_t metric, std::size_t c, std::size_t other) const {
+    return c == other ? Judgement::kEqual : summary_.Of(metric, c, other).judgement;
+  }
+  /// By how much the first may be worse than the other, at the end of the interval.
+  double MostWorse(std::size_t metric, std::size_t c, std::size_t other) const {
+    const MeanInterval& difference = summary_.Of(metric, c, other).difference;
+    return Metrics()[metric].lower_is_better ? difference.high : -difference.low;
+  }
+  bool KeepsBounds(std::size_t c) const {
+    return std::ranges::all_of(summary_.priority.bounds, [&](const Constraint& bound) {
+      return bound.IsMetBy(summary_.controllers[c].summary[bound.metric].mean);
+    });
+  }
+
+ private:
+  bool IsNoWorse(std::size_t metric, std::size_t c, std::size_t other) const {
+    const Judgement judgement = JudgementOf(metric, c, other);
+    if (judgement != Judgement::kUndecided) return judgement != Judgement::kWorse;
+    return MostWorse(metric, c, other) <= 2.0 * summary_.Of(metric, c, other).relevant_difference;
+  }
+  bool IsDominated(std::size_t c) const {
+    return std::ranges::any_of(all_, [&](std::size_t other) {
+      return KeepsBounds(other) &&
+             std::ranges::any_of(
+                 scores_,
+                 [&](std::size_t m) { return JudgementOf(m, other, c) == Judgement::kBetter; }) &&
+             std::ranges::all_of(scores_, [&](std::size_t m) { return IsNoWorse(m, other, c); });
+    });
+  }
+  std::optional<std::size_t> CandidateFor(std::size_t metric) const {
+    Places left;
+    for (const std::size_t c : all_) {
+      const bool below_baseline =
+          summary_.baseline && JudgementOf(metric, c, *summary_.baseline) == Judgement::kWorse;
+      const bool is_candidate = KeepsBounds(c) && !below_baseline && !IsDominated(c) &&
+                                std::ranges::all_of(all_, [&](std::size_t other) {
+                                  return !KeepsBounds(other) || IsNoWorse(metric, c, other);
+                                });
+      if (is_candidate) left.push_back(c);
+    }
+    for (const std::size_t score : Places(scores_.rbegin(), scores_.rend())) {
+      if (score != metric) KeepBest(score, left);
+    }
+    if (left.empty()) return std::nullopt;
+    const bool has_baseline = summary_.baseline && std::ranges::count(left, *summary_.baseline) > 0;
+    return has_baseline ? *summary_.baseline : *Best(metric, left);
+  }
+  Places::const_iterator Best(std::size_t metric, const Places& places) const {
+    const double sign = Metrics()[metric].lower_is_better ? 1.0 : -1.0;
+    return std::ranges::min_element(places, {}, [&](std::size_t c) {
+      return sign * summary_.controllers[c].summary[metric].mean;
+    });
+  }
+  /// Keeps the best of a score, and those equivalent to it.
+  void KeepBest(std::size_t metric, Places& places) const {
+    if (places.empty()) return;
+    const std::size_t best = *Best(metric, places);
+    std::erase_if(places, [&](std::size_t c) { return !IsNoWorse(metric, c, best); });
+  }
+  std::optional<std::size_t> For(std::size_t metric) const {
+    const auto found =
+        std::ranges::find(candidates_, metric, &std::pair<std::size_t, std::size_t>::first);
+    if (found == candidates_.end()) return std::nullopt;
+    return found->second;
+  }
+
+  const Summary& summary_;
+  Places all_;
+  Places scores_;                                                // in the order of PrimaryScores()
+  Places left_out_;                                              // primary scores
+  std::vector<std::pair<std::size_t, std::size_t>> candidates_;  // score, controller
+};
+
+/// "Use b: tracking error 4.45 deg RMS (raw 6.44), but delay 59 ms (raw 50); jitter equivalent."
+std::string Recommendation(const Summary& summary, const Choice& choice, std::size_t recommended) {
+  const std::string& name = summary.controllers[recommended].name;
+  std::vector<std::string> better, worse, equal, undecided, plain;
+  for (const std::size_t metric : choice.scores()) {
+    const std::string value = NamedValue(summary, recommended, metric);
+    plain.push_back(value);
+    if (!summary.baseline || *summary.baseline == recommended) continue;
+    const std::string against =
+        fmt::format("{} ({} {})", value, summary.controllers[*summary.baseline].name,
+                    Value(summary, *summary.baseline, metric));
+    switch (choice.JudgementOf(metric, recommended, *summary.baseline)) {
+      case Judgement::kBetter:
+        better.push_back(against);
+        break;
+      case Judgement::kWorse:
+        worse.push_back(against);
+        break;
+      case Judgement::kEqual:
+        equal.emplace_back(Metrics()[metric].name);
+        break;
+      default:
+        undecided.emplace_back(Metrics()[metric].name);
+    }
+  }
+  if (!summary.baseline) return fmt::format("Use {}: {}.", name, Listed(plain));
+  if (*summary.baseline == recommended) {
+    return fmt::format("Use {}, the baseline: {}. No other controller is clearly better in {}.",
+                       name, Listed(plain), Metrics()[summary.priority.metric].name);
+  }
+  std::string text = fmt::format("Use {}: {}", name, Listed(better));
+  if (!worse.empty()) {
+    text += fmt::format("{}{}", better.empty() ? "" : ", but ", Listed(worse));
+  }
+  const bool has_values = !better.empty() || !worse.empty();
+  if (!equal.empty()) {
+    text += fmt::format("{}{} equivalent", has_values ? "; " : "", Listed(equal));
+  }
+  if (!undecided.empty()) {
+    text +=
+        fmt::format("{}{} undecided", has_values || !equal.empty() ? "; " : "", Listed(undecided));
+  }
+  return text + ".";
+}
+
+/// "Use c if jitter matters more: 0.1 deg RMS instead of 0.2, but tracking error 6.8 deg RMS
+/// instead of 4.5."
+std::string Alternative(const Summary& summary, const Choice& choice, std::size_t metric,
+                        std::size_t alternative, std::size_t recommended) {
+  std::string text =
+      fmt::format("Use {} if {} matters more: {} instead of {}",
+                  summary.controllers[alternative].name, Metrics()[metric].name,
+                  ValueWithUnit(summary, alternative, metric), Value(summary, recommended, metric));
+  std::vector<std::string> price;
+  for (const std::size_t other : choice.scores()) {
+    if (choice.JudgementOf(other, alternative, recommended) != Judgement::kWorse) continue;
+    price.push_back(fmt::format("{} instead of {}", NamedValue(summary, alternative, other),
+                                Value(summary, recommended, other)));
+  }
+  return text + (price.empty() ? "" : ", but " + Listed(price)) + ".";
+}
+
+/// Reason why nothing is recommended after several runs.
+std::string Undecided(const Summary& summary, const Choice& choice, Verdict& verdict) {
+  const std::size_t metric = summary.priority.metric;
+  if (std::ranges::count(choice.left_out(), metric) > 0) {
+    return "No recommendation: the score of the priority has no value.";
+  }
+  const auto keeps = [&](std::size_t c) { return choice.KeepsBounds(c); };
+  if (std::ranges::none_of(choice.all(), keeps)) {
+    std::vector<std::string> bounds;
+    for (const Constraint& bound : summary.priority.bounds) bounds.push_back(bound.Text());
+    return fmt::format("No controller meets {}.", Listed(bounds));
+  }
+  std::vector<std::string> values;
+  for (const std::size_t c : choice.all()) {
+    const bool is_worse = std::ranges::any_of(choice.all(), [&](std::size_t other) {
+      return keeps(other) && choice.JudgementOf(metric, c, other) == Judgement::kWorse;
+    });
+    if (is_worse || !keeps(c)) continue;
+    verdict.alternatives.push_back(summary.controllers[c].name);
+    values.push_back(
+        fmt::format("{} ({})", summary.controllers[c].name, ValueWithUnit(summary, c, metric)));
+  }
+  return fmt::format("No recommendation: the {} of {} is undecided. {} can decide it.",
+                     Metrics()[metric].name, Listed(values),
+                     summary.blocks.empty() ? "More seeds or recordings"
+                                            : "A longer recording or more recordings");
+}
+
+/// "One run has no confidence interval, so nothing is recommended. Least tracking error: raw (4.5
+/// deg RMS). .."
+std::string OfOneRun(const Summary& summary, const Choice& choice) {
+  std::string text = "One run has no confidence interval, so nothing is recommended.";
+  for (const std::size_t metric : choice.scores()) {
+    const auto best = std::ranges::min_element(choice.all(), {}, [&](std::size_t c) {
+      return summary.controllers[c].summary[metric].mean;
+    });
+    text += fmt::format(" Least {}: {} ({}).", Metrics()[metric].name,
+                        summary.controllers[*best].name, ValueWithUnit(summary, *best, metric));
+  }
+  return text;
+}
+
+/// Differences that are undecided, and small enough to count as equivalent.
+std::string CountedAsEquivalent(const Summary& summary, const Choice& choice,
+                                std::size_t recommended) {
+  const std::size_t metric = summary.priority.metric;
+  std::vector<std::string> others;
+  for (const std::size_t other : choice.all()) {
+    if (other == recommended || !choice.KeepsBounds(other)) continue;
+    if (choice.JudgementOf(metric, recommended, other) != Judgement::kUndecided) continue;
+    const double most = choice.MostWorse(metric, recommended, other);
+    if (most <= 0.0) continue;
+    others.push_back(fmt::format("{} (at most {} {} worse)", summary.controllers[other].name,
+                                 Short(most), Metrics()[metric].unit));
+  }
+  if (others.empty()) return "";
+  return fmt::format("The {} of {} is undecided against {}, and counts as equivalent.",
+                     Metrics()[metric].name, summary.controllers[recommended].name, Listed(others));
+}
+
+/// "prediction is worse than raw in command reversals: 27.1 per s (raw 21.6)."
+std::string WorseThanBaseline(const Summary& summary, const Choice& choice,
+                              std::size_t recommended) {
+  std::vector<std::string> worse;
+  for (const std::size_t metric : ShownMetrics(summary)) {
+    if (!summary.controllers[recommended].IsWorseThanBaseline(metric)) continue;
+    if (std::ranges::count(choice.scores(), metric) > 0) continue;  // in the recommendation
+    worse.push_back(fmt::format("{} ({} {})", NamedValue(summary, recommended, metric),
+                                summary.controllers[*summary.baseline].name,
+                                Value(summary, *summary.baseline, metric)));
+  }
+  if (worse.empty()) return "";
+  return fmt::format("{} is worse than {} in a secondary score: {}.",
+                     summary.controllers[recommended].name,
+                     summary.controllers[*summary.baseline].name, Listed(worse));
+}
+
+std::string MayBreakBound(const Summary& summary, std::size_t recommended) {
+  std::vector<std::string> open;
+  for (const Constraint& bound : summary.priority.bounds) {
+    const MeanInterval& score = summary.controllers[recommended].summary[bound.metric];
+    if (bound.IsMetBy(bound.at_most ? score.high : score.low)) continue;
+    open.push_back(
+        fmt::format("{} (95 % CI {} to {})", bound.Text(), Short(score.low), Short(score.high)));
+  }
+  if (open.empty()) return "";
+  return fmt::format("{} meets {} in the mean only.", summary.controllers[recommended].name,
+                     Listed(open));
+}
+
+std::string Saturation(const Summary& summary, std::size_t controller) {
+  const std::vector<MeanInterval>& scores = summary.controllers[controller].summary;
+  const double saturation_deg2 = scores[MetricIndex("error_saturation_deg2")].mean;
+  double whole_deg2 = 0.0;
+  for (const TrackingErrorPart& part : TrackingErrorParts()) {
+    if (std::isfinite(scores[part.metric].mean)) whole_deg2 += scores[part.metric].mean;
+  }
+  if (!(saturation_deg2 > kMuchSaturation * whole_deg2) || whole_deg2 <= 0.0) return "";
+  return fmt::format("Actuator saturation causes {:.0f} % of the squared error of {}.",
+                     100.0 * saturation_deg2 / whole_deg2, summary.controllers[controller].name);
+}
+
+std::string Interpenetration(const Summary& summary) {
+  const std::size_t metric = MetricIndex("digit_overlap_share");
+  std::vector<double> shares;
+  for (const ControllerSummary& controller : summary.controllers) {
+    const double share = controller.summary[metric].mean;
+    if (std::isfinite(share)) shares.push_back(100.0 * share);
+  }
+  if (shares.empty() || std::ranges::max(shares) < 0.5) return "";
+  const std::string least = fmt::format("{:.0f}", std::ranges::min(shares));
+  const std::string most = fmt::format("{:.0f}", std::ranges::max(shares));
+  return fmt::format("Fingers interpenetrate for {} % of the time (hand.contact).",
+                     least == most ? most : least + " to " + most);
+}
+
+void AddWarnings(const Summary& summary, const Choice& choice,
+                 std::optional<std::size_t> recommended, Verdict& verdict) {
+  for (const std::size_t metric : choice.left_out()) {
+    if (choice.all().empty()) break;
+    verdict.AddWarning("no_value",
+                       fmt::format("The {} has no value for some controllers, so it is not judged.",
+                                   Metrics()[metric].name));
+  }
+  if (recommended) {
+    verdict.AddWarning("undecided", CountedAsEquivalent(summary, choice, *recommended));
+    verdict.AddWarning("worse_than_baseline", WorseThanBaseline(summary, choice, *recommended));
+    verdict.AddWarning("bounds", MayBreakBound(summary, *recommended));
+  }
+  if (!summary.blocks.empty()) {
+    verdict.AddWarning("one_recording",
+                       fmt::format("The confidence intervals are from {} of this recording: one "
+                                   "session of one person. They are too narrow if it has few fast "
+                                   "movements.",
+                                   summary.blocks.Text()));
+  } else if (!summary.one_run && summary.motions == 1) {
+    verdict.AddWarning("one_motion", "One motion: the confidence intervals cover noise only.");
+  }
+  if (!choice.all().empty()) {
+    verdict.AddWarning("saturation",
+                       Saturation(summary, recommended.value_or(choice.all().front())));
+  }
+  verdict.AddWarning("interpenetration", Interpenetration(summary));
+}
+
+}  // namespace
+
+Verdict VerdictOf(const Summary& summary) {
+  const Choice choice(summary);
+  Verdict verdict;
+  for (const std::string& assumed : summary.assumed) verdict.AddWarning("assumed", assumed);
+  const std::optional<std::size_t> recommended = choice.recommended();
+  if (choice.all().empty()) {
+    verdict.AddReason("none", "No controller has a score, so nothing is recommended.");
+  } else if (summary.controllers.size() == 1) {
+    std::vector<std::string> values;
+    for (const std::size_t metric : choice.scores())
+      values.push_back(NamedValue(summary, 0, metric));
+    verdict.AddReason("scores",
+                      fmt::format("{}: {}.", summary.controllers[0].name, Listed(values)));
+  } else if (summary.one_run) {
+    verdict.AddReason("one_run", OfOneRun(summary, choice));
+  } else if (!recommended) {
+    verdict.AddReason("undecided", Undecided(summary, choice, verdict));
+  } else {
+    verdict.recommended = summary.controllers[*recommended].name;
+    verdict.AddReason("recommended", Recommendation(summary, choice, *recommended));
+    for (const auto& [metric, c] : choice.alternatives()) {
+      verdict.alternatives.push_back(summary.controllers[c].name);
+      verdict.AddReason("alternative", Alternative(summary, choice, metric, c, *recommended));
+    }
+  }
+  const bool chooses = summary.controllers.size() > 1 && recommended;
+  AddWarnings(summary, choice, chooses ? recommended : std::nullopt, verdict);
+  return verdict;
+}
+
+std::vector<std::size_t> OrderOfVerdict(const Summary& summary) {
+  const Choice choice(summary);
+  Places first;
+  if (const auto recommended = choice.recommended()) first.push_back(*recommended);
+  for (const auto& [metric, c] : choice.alternatives()) first.push_back(c);
+  const std::size_t tracking = MetricIndex("tracking_rmse_deg");
+  Places order(summary.controllers.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t c) {
+    const double mean = summary.controllers[c].summary[tracking].mean;
+    return std::pair(std::ranges::find(first, c) - first.begin(),
+                     std::isfinite(mean) ? mean : std::numeric_limits<double>::infinity());
+  });
+  return order;
+}
+
+std::vector<std::size_t> ShownControllers(const Summary& summary) {
+  constexpr std::size_t kMost = 3;
+  const Choice choice(summary);
+  Places shown;
+  const auto add = [&shown](std::size_t c) {
+    if (shown.size() < kMost && std::ranges::count(shown, c) == 0) shown.push_back(c);
+  };
+  if (summary.baseline) add(*summary.baseline);
+  if (const auto recommended = choice.recommended()) {
+    add(*recommended);
+    for (const auto& [metric, c] : choice.alternatives()) add(c);
+  } else {
+    for (const std::size_t c : OrderOfVerdict(summary)) add(c);
+  }
+  return shown;
+}
+
+std::vector<std::string> RolesOf(const Summary& summary) {
+  const Choice choice(summary);
+  std::vector<std::string> roles(summary.controllers.size());
+  const auto add = [&roles](std::size_t c, const std::string& role) {
+    roles[c] += (roles[c].empty() ? "" : ", ") + role;
+  };
+  if (summary.controllers.size() == 1) return roles;
+  if (const auto recommended = choice.recommended()) add(*recommended, "recommended");
+  for (const auto& [metric, c] : choice.alternatives()) {
+    add(c, fmt::format("least {}", Metrics()[metric].name));
+  }
+  for (std::size_t c = 0; c < roles.size(); ++c) {
+    if (summary.controllers[c].failed_trials > 0) add(c, "failed");
+  }
+  if (summary.baseline) add(*summary.baseline, "baseline");
+  return roles;
+}
+
+std::vector<std::size_t> ShownMetrics(const Summary& summary) {
+  std::vector<std::size_t> shown = DetailedMetrics(summary);
+  std::erase_if(shown, [](std::size_t metric) { return !Metrics()[metric].main; });
+  return shown;
+}
+
+std::vector<std::size_t> DetailedMetrics(const Summary& summary) {
+  std::vector<std::size_t> shown;
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    const auto has_value = [m](const ControllerSummary& controller) {
+      return std::isfinite(controller.summary[m].mean);
+    };
+    const bool is_wanted = Metrics()[m].main || Metrics()[m].detailed;
+    if (is_wanted && std::ranges::any_of(summary.controllers, has_value)) shown.push_back(m);
+  }
+  return shown;
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "sim/answers/compare/summary.h"
+#include "sim/results/verdict.h"
+
+namespace gauntlet::sim {
+
+/// The verdict of a comparison. Tracking error, delay and jitter are the primary scores; one that a
+/// controller has no value of is left out for all.
+///
+/// D is the smallest relevant difference. A controller is no worse than another in a score if it is
+/// judged better or equivalent, or if the difference is undecided and at most 2 D to its
+/// disadvantage. A controller is dominated if another is better in one primary score and no worse
+/// in the others. Candidates for a score are not dominated, keep the bounds of the priority, are
+/// not worse than the baseline in that score, and no worse than any controller in it. Of them the
+/// least jitter, then the least delay, then the least tracking error decides, each among equivalent
+/// ones; after that the baseline, then the score itself.
+///
+/// The candidate for the user's priority is recommended. Those for the other primary scores are the
+/// alternatives, where they are better than the recommended one in their score. One run recommends
+/// nothing.
+Verdict VerdictOf(const Summary& summary);
+/// Indices of controllers: recommended, alternatives, the others by tracking error.
+std::vector<std::size_t> OrderOfVerdict(const Summary& summary);
+/// Whom a page and a video show first, at most three: the baseline, the recommended controller and
+/// the first alternative; where nothing is recommended, the baseline and the next in the order.
+std::vector<std::size_t> ShownControllers(const Summary& summary);
+/// Of each controller: "recommended", "least jitter", "baseline" or the like; empty for most.
+std::vector<std::string> RolesOf(const Summary& summary);
+
+/// The main metrics that some controller has a value of.
+std::vector<std::size_t> ShownMetrics(const Summary& summary);
+/// These, and those of the detailed table alone.
+std::vector<std::size_t> DetailedMetrics(const Summary& summary);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "sim/answers/compare/summary.h"
+
+namespace gauntlet::sim {
+
+/// How the trials of a run or comparison are run.
+struct StudyWork {
+  int seeds = 1;
+  int jobs = 1;
+  CauseSeeds causes = CauseSeeds::kFirst;
+  std::function<bool(double, int)> progress = {};     // see StudyOptions
+  std::function<void(const std::string&)> note = {};  // a line about trials that are known already
+  std::function<void(const std::string&)> remark = {};  // see StudyOptions
+};
+
+/// The seeds of a comparison that names no number: 8, or one of each repetition where there are
+/// more.
+int SeedsOfComparison(const Scenario& scenario);
+
+/// "1 trial", "8 trials".
+std::string TrialsText(int count);
+
+/// Runs the trials of `finished.study` and computes all else that its files contain. A comparison
+/// with a folder keeps finished trials in its study.db, and takes those that are there.
+/// Returns what study.db lacks, if anything. Errors: RunError; Cancelled, which says what is kept.
+std::optional<std::string> FinishStudy(const StudyWork& work, FinishedStudy& finished);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/answers/compare/prediction_ceiling.h"
+#include "sim/answers/compare/recording_blocks.h"
+#include "sim/answers/compare/smoothing_ranking.h"
+#include "sim/score/priority.h"
+#include "sim/score/statistics/judgement.h"
+#include "sim/score/statistics/statistics.h"
+#include "sim/study/study_run.h"
+
+namespace gauntlet::sim {
+
+/// One controller over all seeds. Vectors of metrics follow Metrics().
+struct ControllerSummary {
+  std::string name;
+  std::vector<MeanInterval> summary;  // of itself, 95 %: nothing is decided by it
+  /// Against the best of each metric, paired by seed. kNone for the best itself.
+  std::vector<Comparison> to_best;
+  /// Against the baseline. This and the next are empty without a baseline, and for the baseline.
+  std::vector<Comparison> to_baseline;
+  std::vector<double> effect_size;  // of that difference
+  /// 1: none is judged better; else one more than are judged better. 0: has no score, or its trials
+  /// failed. Of one run, the place of its value.
+  std::vector<int> rank;
+  std::vector<bool> as_good_as_best;      // the best one, and those judged equal to it
+  std::vector<std::vector<double>> rows;  // rows of ScoreRows x metrics, means
+  int failed_trials = 0;                  // their hands were stopped, and have no scores
+  std::string problem;                    // of the first of them; empty if all was well
+
+  bool IsWorseThanBaseline(std::size_t metric) const {
+    return metric < to_baseline.size() && to_baseline[metric].judgement == Judgement::kWorse;
+  }
+};
+
+/// Means and judgements of a comparison. All pairs of controllers in the primary scores are one
+/// family of questions, see Judge(), and decide the verdict. Those in all other metrics are a
+/// second family, which explains it. Every pair has one interval and one judgement, and the best
+/// may be chosen from the same data. A controller with a failed trial is in no pair.
+struct Summary {
+  std::vector<ControllerSummary> controllers;
+  std::vector<bool> dominated;          // another is better in jitter or delay, and equal or better
+                                        // in the other
+  std::optional<std::size_t> baseline;  // index of the controller that others are compared with
+  /// Fewer than two replicates allow no statement about chance: no interval, nothing is as good as
+  /// the best, nothing is worse than the baseline.
+  bool one_run = true;
+  RecordingBlocks blocks;  // of one recording: these are the replicates. A score without values of
+                           // blocks has no interval and no judgement
+  int motions = 1;         // different ones of the wearer; several are the replicates
+  int pairs = 0;           // that were judged
+  int primary_pairs = 0;   // of these in primary scores
+  Priority priority = {.metric = PrimaryScores().front().metric, .bounds = {}};  // of the scenario
+  std::vector<std::string> assumed;     // in column maps of recordings, a sentence each
+  std::vector<Comparison> comparisons;  // of all pairs, both ways: see Of()
+
+  /// Difference of a metric, first controller minus second, and its judgement.
+  const Comparison& Of(std::size_t metric, std::size_t first, std::size_t second) const {
+    return comparisons[Place(metric, first, second)];
+  }
+  std::size_t Place(std::size_t metric, std::size_t first, std::size_t second) const {
+    return (metric * controllers.size() + first) * controllers.size() + second;
+  }
+};
+
+/// The motion of each seed.
+std::vector<int> MotionsOf(const StudyResult& result);
+
+/// Summaries of one metric and controller, one per seed.
+std::vector<double> SeedValues(const StudyResult& result, std::size_t controller,
+                               std::size_t metric);
+
+/// Pure and deterministic. `blocks`: of this result, where a single recording was divided.
+Summary Summarise(const Study& study, const StudyResult& result, RecordingBlocks blocks = {});
+
+/// One line for each controller of which a trial failed: "raw failed in 1 of 8 trials, and is not
+/// ranked: at 1.5 s: diverged (seed 3)".
+std::vector<std::string> Failures(const Summary& summary, std::size_t seeds);
+
+/// A study that has been run, with what is concluded from it.
+struct FinishedStudy {
+  Study study;
+  StudyResult result;
+  Summary summary;
+  bool comparison = false;                       // of several seeds, as asked; else one run
+  std::vector<PredictionCeiling> ceilings = {};  // of a comparison
+  std::filesystem::path folder = {};             // of its files: paths in them are relative to it
+  std::vector<SmoothingRank> smoothing = {};     // where the reference is a smoothed recording
+};
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,278 @@
+#include "sim/answers/sweep/sweep_run.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "sim/answers/sweep/cell_blocks.h"
+#include "sim/answers/sweep/early_stop.h"
+#include "sim/base/error.h"
+#include "sim/base/hash.h"
+#include "sim/base/stop.h"
+#include "sim/study/scenario/scenario_reader.h"
+#include "sim/study/study_identity.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// Trials of one block in the database of the sweep.
+class BlockStore final : public TrialStore {
+ public:
+  BlockStore(const CellBlock& block, SweepDatabase& database)
+      : block_(block), database_(database) {}
+
+  TrialKey KeyOf(int seed, std::size_t controller) const {
+    return {.study = block_.study_hash,
+            .controller = block_.study->scenario.controllers[controller].name,
+            .settings = block_.settings[controller],
+            .seed = seed};
+  }
+  bool Has(int seed, std::size_t controller) override { return Take(seed, controller).has_value(); }
+  std::optional<TrialOutcome> Take(int seed, std::size_t controller) override {
+    return std::move(database_.Read(KeyOf(seed, controller)).front());
+  }
+  void Keep(int seed, std::size_t controller, const TrialOutcome& outcome) override {
+    database_.Keep(KeyOf(seed, controller), outcome);
+  }
+
+ private:
+  const CellBlock& block_;
+  SweepDatabase& database_;
+};
+
+class Sweep {
+ public:
+  Sweep(const SweepPlan& plan, SweepDatabase& database, const SweepOptions& options)
+      : plan_(plan), blocks_(plan), database_(database), options_(options) {
+    const Scenario scenario = blocks_.BaseScenario();
+    first_seed_ = scenario.seed;
+    const bool twins = scenario.score.noise_free_twin && !IsWithoutNoise(scenario.glove) &&
+                       std::ranges::any_of(plan.metrics, NeedsNoiseFreeTwin);
+    per_trial_ = twins ? 2.0 : 1.0;
+    controllers_ = std::ssize(scenario.controllers);
+    all_ = per_trial_ * plan.file.seeds *
+           static_cast<double>(controllers_ * (options.cells.end - options.cells.first));
+  }
+
+  void Run() {
+    const std::vector<int> looks =
+        plan_.early_stop ? LooksOf(plan_.file.seeds) : std::vector<int>();
+    for (const int seeds : looks) {
+      RunSeeds(seeds);
+      StopWhatCannotWin(looks.size());
+    }
+    RunSeeds(plan_.file.seeds);
+    ForgetSeedsBehindStops();
+    database_.Flush();
+  }
+
+ private:
+  /// The first so many seeds of all that is not stopped.
+  void RunSeeds(int seeds) {
+    const double before = std::exchange(seeds_, seeds);
+    for (std::int64_t first = options_.cells.first; first < options_.cells.end;) {
+      ThrowIfStopped();
+      const CellRange cells = blocks_.BlockFrom({first, options_.cells.end});
+      const std::vector<std::int64_t> numbers = cells.Numbers();
+      if (!std::ranges::all_of(numbers, [this](auto cell) { return IsKnown(cell); })) {
+        RunBlock(cells);
+      }
+      for (const std::int64_t cell : numbers) {
+        done_ +=
+            per_trial_ * (seeds - before) * static_cast<double>(controllers_ - StoppedIn(cell));
+      }
+      Progress(0.0);
+      first = cells.end;
+    }
+  }
+
+  std::int64_t StoppedIn(std::int64_t cell) const {
+    return std::distance(stopped_.lower_bound({cell, ""}), stopped_.lower_bound({cell + 1, ""}));
+  }
+  bool IsStopped(std::int64_t cell, const std::string& controller) const {
+    return stopped_.contains({cell, controller});
+  }
+
+  void StopWhatCannotWin(std::size_t looks) {
+    std::vector<CellResult> alive;
+    ForEachCell(plan_, database_, options_.cells, [&](CellResult result) {
+      if (result.controller.empty() || IsStopped(result.number, result.controller)) return;
+      KeepSeeds(plan_, static_cast<std::size_t>(seeds_), result);
+      alive.push_back(std::move(result));
+    });
+    if (candidates_ == 0) candidates_ = alive.size();
+    const std::vector<bool> cannot = CannotWin(plan_, alive, candidates_, looks);
+    for (std::size_t i = 0; i < alive.size(); ++i) {
+      if (!cannot[i]) continue;
+      stopped_[{alive[i].number, alive[i].controller}] = seeds_;
+      all_ -= per_trial_ * (plan_.file.seeds - seeds_);
+    }
+  }
+
+  /// Another schedule, a shard or a run with all seeds may have brought more than the test gives.
+  void ForgetSeedsBehindStops() {
+    for (const auto& [candidate, seeds] : stopped_) {
+      for (SweepCellRecord& record : database_.CellAt(candidate.first)) {
+        if (record.controller != candidate.second || std::ssize(record.motions) <= seeds) continue;
+        record.motions.resize(static_cast<std::size_t>(seeds));
+        database_.AddCell(record, ValuesByKey(candidate.first));
+      }
+    }
+  }
+
+  bool Progress(double more) {
+    return !options_.progress || options_.progress(std::min(done_ + more, all_), all_);
+  }
+
+  /// True if the file has the cell and all its trials.
+  bool IsKnown(std::int64_t cell) {
+    const std::vector<SweepCellRecord> records = database_.CellAt(cell);
+    return !records.empty() && std::ranges::all_of(records, [&](const SweepCellRecord& record) {
+      if (!record.problem.empty() || IsStopped(cell, record.controller)) return true;
+      if (std::ssize(record.motions) < seeds_) return false;
+      const auto trials =
+          database_.Read({record.study, record.controller, record.settings, first_seed_}, seeds_);
+      return std::ranges::all_of(trials, [](const auto& trial) { return trial.has_value(); });
+    });
+  }
+
+  StudyOptions OptionsFor(BlockStore& store) const {
+    return {.seeds = seeds_,
+            .jobs = options_.jobs,
+            .progress = {},
+            .remark = options_.remark,
+            .keep_first_traces = false,
+            .keep_rows = false,
+            .physics = plan_.file.physics,
+            .store = &store,
+            .scores = plan_.metrics};
+  }
+
+  /// Times the first trials that are to be run, as many as run together or enough to know.
+  void Forecast(const CellBlock& block, BlockStore& store) {
+    if (forecast_done_ || !options_.forecast) return;
+    StudyOptions options = OptionsFor(store);
+    options.jobs = 1;
+    constexpr std::size_t kEnough = 32;
+    const std::size_t most = std::min(ControllersTogether(options, block.settings.size()), kEnough);
+    for (int i = 0; i < seeds_ && !forecast_done_; ++i) {
+      CellBlock some = block;
+      some.study->scenario.controllers.clear();
+      some.settings.clear();
+      for (std::size_t c = 0; c < block.settings.size() && some.settings.size() < most; ++c) {
+        if (store.Has(first_seed_ + i, c)) continue;
+        some.study->scenario.controllers.push_back(block.study->scenario.controllers[c]);
+        some.settings.push_back(block.settings[c]);
+      }
+      if (some.settings.empty()) continue;
+      forecast_done_ = true;
+      BlockStore of_some(some, database_);
+      options.store = &of_some;
+      options.seeds = i + 1;
+      options.progress = [this](double, int) { return Progress(0.0); };
+      const double known = per_trial_ * static_cast<double>(database_.TrialCount());
+      const double trials = per_trial_ * static_cast<double>(some.settings.size());
+      const auto start = std::chrono::steady_clock::now();
+      RunStudy(*some.study, options);
+      const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+      const double left = std::max(0.0, all_ - known - trials);
+      options_.forecast({.trials = left, .seconds = left / trials * took.count() / options_.jobs});
+      database_.Flush();
+    }
+  }
+
+  void RunBlock(const CellRange& cells) {
+    const CellBlock block = blocks_.Build(cells, options_.jobs, stopped_);
+    std::vector<int> motions;
+    if (!block.settings.empty()) {
+      BlockStore store(block, database_);
+      database_.AddStudy(block.study_hash, SharedSettings(*block.study));
+      Forecast(block, store);
+      StudyOptions options = OptionsFor(store);
+      const double in_block = per_trial_ * seeds_ * static_cast<double>(block.settings.size());
+      options.progress = [this, in_block](double done, int total) {
+        return Progress(in_block * done / std::max(total, 1));
+      };
+      for (const SeedOutcome& seed : RunStudy(*block.study, options).seeds) {
+        motions.push_back(seed.motion);
+      }
+    }
+    for (const CellBlock::Cell& cell : block.cells) AddCell(block, cell, motions);
+    database_.Flush();
+  }
+
+  std::vector<std::pair<std::string, std::string>> ValuesByKey(std::int64_t cell) const {
+    std::vector<std::pair<std::string, std::string>> values;
+    const std::vector<std::string> texts = plan_.ValuesOf(cell);
+    for (std::size_t a = 0; a < texts.size(); ++a) {
+      values.emplace_back(plan_.file.axes[a].key, texts[a]);
+    }
+    return values;
+  }
+
+  void AddCell(const CellBlock& block, const CellBlock::Cell& cell,
+               const std::vector<int>& motions) {
+    const auto values = ValuesByKey(cell.number);
+    SweepCellRecord record{.number = cell.number,
+                           .controller = {},
+                           .study = {},
+                           .settings = {},
+                           .motions = {},
+                           .problem = cell.problem};
+    if (!cell.problem.empty()) return database_.AddCell(record, values);
+    for (const std::size_t c : cell.controllers) {
+      record.controller = block.study->scenario.controllers[c].name;
+      record.study = block.study_hash;
+      record.settings = block.settings[c];
+      record.motions = motions;
+      database_.AddCell(record, values);
+    }
+  }
+
+  const SweepPlan& plan_;
+  CellBlocks blocks_;
+  SweepDatabase& database_;
+  const SweepOptions& options_;
+  int first_seed_ = 0;
+  double per_trial_ = 1.0;        // runs: with a twin two
+  std::int64_t controllers_ = 1;  // of each cell
+  int seeds_ = 0;                 // that are run now, from the first on
+  std::size_t candidates_ = 0;    // for the best, at the first look
+  StoppedCandidates stopped_;
+  double all_ = 0.0;
+  double done_ = 0.0;  // of blocks that are finished
+  bool forecast_done_ = false;
+};
+
+}  // namespace
+
+std::string HashOfSweep(const SweepPlan& plan) {
+  Scenario scenario = CellBlocks(plan).BaseScenario();
+  Hash hash;
+  for (const NamedController& named : scenario.controllers) hash.Add(HashOfSettings(named));
+  hash.Add(HashOfShared(plan, PrepareShared(std::move(scenario))));
+  hash.Add(fmt::format("{} {} {}\n", static_cast<int>(plan.file.design), plan.file.cells,
+                       plan.file.design_seed));
+  for (const SweepAxis& axis : plan.file.axes) {
+    hash.Add(fmt::format("{}\n{} {} {} {} {}\n", axis.key, axis.low, axis.high, axis.count,
+                         static_cast<int>(axis.spacing), axis.whole));
+    for (const std::string& value : axis.values) {
+      std::error_code ignored;
+      const bool is_file = std::filesystem::is_regular_file(value, ignored);
+      hash.Add((is_file ? HashOfFile(value) : value) + "\n");
+    }
+  }
+  for (const std::vector<std::string>& values : plan.listed) {
+    hash.Add(fmt::format("{}\n", fmt::join(values, " ")));
+  }
+  return hash.Text();
+}
+
+void RunSweep(const SweepPlan& plan, SweepDatabase& database, const SweepOptions& options) {
+  Sweep(plan, database, options).Run();
+}
+
+}  // namespace gauntlet::sim

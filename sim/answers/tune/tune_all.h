@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/answers/tune/tune.h"
+
+namespace gauntlet::sim {
+
+/// One kind of filter in place of a controller's own, with the settings that were found for it.
+struct TunedKind {
+  std::string kind;
+  std::string left_out;  // why it was not searched; then there is no result
+  TunePlan plan;
+  TuneResult result;
+  /// In the minimised score on the held-out seeds; against itself for the best.
+  CellComparison to_best;
+
+  bool has_answer() const { return left_out.empty() && result.problem.empty(); }
+};
+
+/// The same search for every kind of filter: SearchSettings() with the settings of SearchOf() and
+/// the same number of evaluations, on the same glove and hand, judged on the same held-out seeds.
+/// `plan.controller` keeps all its settings but the filter; `plan.free` and `plan.front_jitter_deg`
+/// are not looked at: fronts are searched at 0.7, 0.5, 0.35 and 0.25 times the jitter that the
+/// controller has as it is. Kinds with an answer come first, the best first; all their pairs are
+/// one family of judgement.h. Errors: as Tune(), but for kinds that have no answer.
+std::vector<TunedKind> TuneAll(const TunePlan& plan, int jobs,
+                               const std::function<bool(double done, double all)>& progress);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,99 @@
+#include "sim/answers/tune/tune_bench.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "controller/assert.h"
+#include "sim/answers/sweep/cell_blocks.h"
+#include "sim/base/error.h"
+#include "sim/study/scenario/scenario_reader.h"
+
+namespace gauntlet::sim {
+
+TuneBench::TuneBench(const TunePlan& plan, std::vector<std::size_t> metrics, int first_seed,
+                     int seeds, int jobs)
+    : plan_(plan),
+      metrics_(std::move(metrics)),
+      seeds_(seeds),
+      jobs_(jobs),
+      source_(plan.scenario) {
+  for (const Constraint& constraint : plan.constraints) {
+    GAUNTLET_ASSERT(std::ranges::find(metrics_, constraint.metric) != metrics_.end());
+  }
+  source_.overrides.push_back(fmt::format("seed={}", first_seed));
+  study_ = PrepareShared(ParseScenario(source_));
+  KeepGloves(seeds, study_);
+}
+
+NamedController TuneBench::ControllerWith(const std::vector<std::string>& values) const {
+  ScenarioSource source = source_;
+  for (std::size_t a = 0; a < values.size(); ++a) {
+    source.overrides.push_back(plan_.free[a].key + "=" + values[a]);
+  }
+  Scenario scenario = ParseScenario(source);
+  KeepControllers({plan_.controller}, scenario);
+  return scenario.controllers.front();
+}
+
+TunedSetting TuneBench::Run(const std::vector<std::string>& values,
+                            const Progress& progress) const {
+  TunedSetting setting;
+  setting.values = values;
+  setting.scores.resize(metrics_.size());
+  Study study = study_;
+  try {
+    study.scenario.controllers = {ControllerWith(values)};
+    CheckController(study, study.scenario.controllers.front());
+  } catch (const UserError& error) {
+    setting.problem = error.what();
+    return setting;
+  } catch (const controller::SettingError& error) {
+    setting.problem = error.what();
+    return setting;
+  }
+  Score(RunStudy(study, {.seeds = seeds_,
+                         .jobs = jobs_,
+                         .progress = progress,
+                         .keep_first_traces = false,
+                         .keep_rows = false,
+                         .physics = plan_.physics,
+                         .store = nullptr,
+                         .scores = metrics_}),
+        setting);
+  return setting;
+}
+
+void TuneBench::Score(const StudyResult& result, TunedSetting& setting) const {
+  std::vector<std::vector<double>> values(metrics_.size());
+  for (const SeedOutcome& seed : result.seeds) {
+    const TrialOutcome& outcome = seed.controllers.front();
+    setting.motions.push_back(seed.motion);
+    if (!outcome.health.ok && setting.problem.empty()) {
+      setting.problem = fmt::format("{} (seed {})", outcome.health.problem, seed.seed);
+    }
+    for (std::size_t m = 0; m < metrics_.size(); ++m) {
+      values[m].push_back(outcome.scores.summary[metrics_[m]]);
+    }
+  }
+  for (std::size_t m = 0; m < metrics_.size(); ++m) {
+    setting.scores[m] = EstimateMean(values[m], setting.motions).IntervalAt();
+  }
+  setting.minimised = values.front();
+  for (const Constraint& constraint : plan_.constraints) {
+    const auto place = std::ranges::find(metrics_, constraint.metric) - metrics_.begin();
+    setting.met = std::max(setting.met, IsMet(constraint, setting.scores[place]));
+  }
+}
+
+std::vector<std::size_t> TuneMetrics(const TunePlan& plan) {
+  std::vector<std::size_t> metrics = {plan.minimise};
+  const auto add = [&metrics](std::size_t metric) {
+    if (std::ranges::find(metrics, metric) == metrics.end()) metrics.push_back(metric);
+  };
+  for (const Constraint& constraint : plan.constraints) add(constraint.metric);
+  for (const char* key : {"delay_ms", "jitter_rms_deg", "tracking_rmse_deg"}) add(MetricIndex(key));
+  return metrics;
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,364 @@
+#include "sim/answers/tune/tune_tables.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "sim/base/data_folder.h"
+#include "sim/base/json.h"
+#include "sim/score/statistics/result_cells.h"
+#include "sim/settings/yaml_writer.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// The scores of a setting with intervals, and the rest that is known of it.
+std::vector<ResultColumn> ScoreColumns(const std::vector<std::size_t>& metrics) {
+  std::vector<ResultColumn> columns = MetricColumns(metrics, "scores");
+  columns.push_back({"constraints_met"});
+  columns.push_back({"problem"});
+  return columns;
+}
+
+void AddScores(const TunedSetting& setting, ResultRow& row) {
+  for (const MeanInterval& score : setting.scores) row.push_back(CellOf(score));
+  row.emplace_back(std::string(MetText(setting.met)));
+  row.push_back(ResultCell::IfAny(setting.problem));
+}
+
+Json SettingJson(const TunePlan& plan, const TuneResult& result, const TunedSetting& setting) {
+  return JsonOf(SettingsTable(plan, result, {setting}))[0];
+}
+
+Json ComparisonJson(const CellComparison& comparison) {
+  Json json = JsonOf(comparison.difference);
+  json["verdict"] = JudgementText(comparison.judgement);
+  return json;
+}
+
+/// Question and result of one controller.
+Json ResultJson(const TunePlan& plan, const TuneResult& result) {
+  Json json;
+  json["tried"] = result.tried.size();
+  if (!result.problem.empty()) {
+    json["problem"] = result.problem;
+  } else {
+    json["tuned"] = SettingJson(plan, result, result.verdict);
+    json["before"] = SettingJson(plan, result, result.before);
+    json["gain"] = ComparisonJson(result.gain);
+    for (std::size_t a = 0; a < plan.free.size(); ++a) {
+      json["as_good"][plan.free[a].key] = {result.equal[a].low, result.equal[a].high};
+    }
+  }
+  for (const std::size_t i : result.front) {
+    json["front"].push_back(SettingJson(plan, result, result.tried[i]));
+  }
+  return json;
+}
+
+Json AskedJson(const TunePlan& plan) {
+  return {{"scenario", PathFrom(std::filesystem::current_path(), plan.scenario.file)},
+          {"controller", plan.controller},
+          {"minimise", Metrics()[plan.minimise].key},
+          {"physics", plan.physics},
+          {"seeds", plan.seeds},
+          {"held_out_seeds", plan.held_out}};
+}
+
+constexpr std::size_t kMostOfFront = 12;
+
+/// Some of the front, evenly.
+ResultTable FrontTable(const TunePlan& plan, const TuneResult& result) {
+  const std::size_t last = result.front.size() - 1;
+  const std::size_t shown = std::min(result.front.size(), kMostOfFront);
+  std::vector<TunedSetting> settings;
+  for (std::size_t i = 0; i < shown; ++i) {
+    const std::size_t at = shown == 1 ? 0 : (i * last + (shown - 1) / 2) / (shown - 1);
+    settings.push_back(result.tried[result.front[at]]);
+  }
+  ResultTable table = SettingsTable(plan, result, settings);
+  for (ResultColumn& column : table.columns) {
+    const bool is_score = column.group == "scores";
+    if (is_score && column.key != "delay_ms" && column.key != "jitter_rms_deg") column.heading = "";
+  }
+  return table;
+}
+
+ResultTable ValuesTable(const TunePlan& plan, const TuneResult& result) {
+  ResultTable table{
+      .columns = {ForPeople("setting"), ForPeople("tuned"), ForPeople("equivalent range")}};
+  for (std::size_t a = 0; a < plan.free.size(); ++a) {
+    table.rows.push_back(
+        {ResultCell::Text(KeyInController(plan, a)),
+         ResultCell::Text(result.tried[result.chosen].values[a]),
+         ResultCell::Text(fmt::format("{} to {}", result.equal[a].low, result.equal[a].high))});
+  }
+  return table;
+}
+
+ResultTable HeldOutTable(const TunePlan& plan, const TuneResult& result) {
+  ResultTable table{
+      .columns = {ForPeople("held-out seeds"), ForPeople("before"), ForPeople("tuned")}};
+  for (std::size_t m = 0; m < result.metrics.size(); ++m) {
+    table.rows.push_back({ResultCell::Text(fmt::format("{} [{}]", ScoreName(result.metrics[m]),
+                                                       Metrics()[result.metrics[m]].unit)),
+                          CellOf(result.before.scores[m]), CellOf(result.verdict.scores[m])});
+  }
+  if (!plan.constraints.empty()) {
+    table.rows.push_back({ResultCell::Text("constraints"),
+                          ResultCell::Text(MetText(result.before.met)),
+                          ResultCell::Text(MetText(result.verdict.met))});
+  }
+  return table;
+}
+
+std::string Seeds(int first, int count) {
+  return count == 1 ? fmt::format("seed {}", first)
+                    : fmt::format("seeds {} to {}", first, first + count - 1);
+}
+
+/// A primary score that is worse than before by a relevant difference, though the tuned score is
+/// equivalent to that before; empty if there is none, or if the settings before keep no bounds.
+std::string WorseForNothing(const TuneResult& result) {
+  if (!result.before.problem.empty() || result.before.met > Met::kLikely ||
+      result.gain.judgement != Judgement::kEqual) {
+    return "";
+  }
+  for (std::size_t m = 0; m < result.metrics.size(); ++m) {
+    const std::size_t metric = result.metrics[m];
+    if (std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) == 0) continue;
+    const double before = result.before.scores[m].mean;
+    const double tuned = result.verdict.scores[m].mean;
+    if (tuned - before > RelevantDifferenceBetween(Metrics()[metric], before, tuned)) {
+      return ScoreName(metric);
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+Verdict VerdictOf(const TunePlan& plan, const TuneResult& result) {
+  if (!result.problem.empty()) return {.reasons = {{.key = "problem", .text = result.problem}}};
+  Verdict verdict{.recommended = SettingsText(plan, result.tried[result.chosen].values)};
+  std::vector<std::string> values;
+  for (std::size_t m = 0; m < result.metrics.size(); ++m) {
+    std::string value = NamedScore(result.metrics[m], result.verdict.scores[m].mean);
+    if (!value.empty() && result.before.problem.empty()) {
+      value += fmt::format(" (before {})", Short(result.before.scores[m].mean));
+    }
+    values.push_back(std::move(value));
+  }
+  if (const std::string worse = WorseForNothing(result); !worse.empty()) {
+    verdict.AddReason("keep", fmt::format("Keep the settings of {}: {} gains nothing in {} and has "
+                                          "more {}. Tuned: {}.",
+                                          plan.controller, std::exchange(verdict.recommended, {}),
+                                          ScoreName(plan.minimise), worse, Listed(values)));
+  } else {
+    verdict.AddReason("answer", fmt::format("Use {} for {}: {}.", verdict.recommended,
+                                            plan.controller, Listed(values)));
+  }
+  if (const std::string_view judgement = JudgementText(result.gain.judgement); !judgement.empty()) {
+    verdict.AddReason(
+        "gain", fmt::format("The {} is {}: {} {} against before, paired, 95 % CI.",
+                            ScoreName(plan.minimise), JudgementWord(result.gain.judgement),
+                            IntervalText(result.gain.difference), Metrics()[plan.minimise].unit));
+  } else if (result.before.problem.empty()) {
+    verdict.AddWarning("one_seed", "One held-out seed has no confidence interval.");
+  }
+  std::vector<std::string> ranges;
+  for (std::size_t a = 0; a < plan.free.size(); ++a) {
+    ranges.push_back(fmt::format("{} {} to {}", KeyInController(plan, a), result.equal[a].low,
+                                 result.equal[a].high));
+  }
+  verdict.AddReason("equivalent", fmt::format("Equivalent settings: {}.", Listed(ranges)));
+  if (!plan.physics) verdict.AddWithoutHand();
+  return verdict;
+}
+
+Verdict VerdictOf(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
+  Verdict verdict;
+  if (!kinds.front().has_answer()) {
+    verdict.AddReason("constraints", "No kind of filter meets the bounds.");
+    return verdict;
+  }
+  // Of those equivalent to the best, the one with the least jitter.
+  const std::size_t jitter = MetricIndex("jitter_rms_deg");
+  const std::vector<std::size_t>& metrics = kinds.front().result.metrics;
+  const bool has_jitter = std::ranges::count(metrics, jitter) > 0;
+  const auto is_equal = [&](const TunedKind& tuned) {
+    return &tuned == &kinds.front() ||
+           (tuned.has_answer() && tuned.to_best.judgement == Judgement::kEqual);
+  };
+  const TunedKind* chosen = &kinds.front();
+  for (const TunedKind& tuned : kinds) {
+    const auto jitter_of = [&](const TunedKind& of) {
+      return of.result.verdict.scores[PlaceOfMetric(of.result, jitter)].mean;
+    };
+    if (is_equal(tuned) && has_jitter && jitter_of(tuned) < jitter_of(*chosen)) chosen = &tuned;
+  }
+  verdict.recommended = chosen->kind;
+  std::vector<std::string> undecided;
+  for (const TunedKind& tuned : kinds) {
+    if (&tuned != chosen && is_equal(tuned)) verdict.alternatives.push_back(tuned.kind);
+    if (tuned.has_answer() && tuned.to_best.judgement == Judgement::kUndecided) {
+      undecided.push_back(tuned.kind);
+    }
+  }
+  std::vector<std::string> values;
+  for (std::size_t m = 0; m < metrics.size(); ++m) {
+    values.push_back(NamedScore(metrics[m], chosen->result.verdict.scores[m].mean));
+  }
+  const std::string settings = SettingsText(chosen->plan, chosen->result.verdict.values);
+  verdict.AddReason(
+      "best_by",
+      fmt::format("{} {}{}: {}.", undecided.empty() ? "Use" : "Best in the mean:", chosen->kind,
+                  settings.empty() ? "" : " with " + settings, Listed(values)));
+  if (!verdict.alternatives.empty()) {
+    verdict.AddReason("equivalent", fmt::format("Equivalent in {}: {}.", ScoreName(plan.minimise),
+                                                Listed(verdict.alternatives)));
+  }
+  verdict.AddUndecided(undecided);
+  if (!plan.physics) verdict.AddWithoutHand();
+  return verdict;
+}
+
+ResultTable SettingsTable(const TunePlan& plan, const TuneResult& result,
+                          const std::vector<TunedSetting>& settings) {
+  ResultTable table{.columns = {}, .rows = {}, .names = plan.free.size()};
+  for (std::size_t a = 0; a < plan.free.size(); ++a) {
+    table.columns.push_back(
+        ResultColumn(plan.free[a].key, KeyInController(plan, a)).In("settings"));
+  }
+  std::ranges::move(ScoreColumns(result.metrics), std::back_inserter(table.columns));
+  for (const TunedSetting& setting : settings) {
+    ResultRow& row = table.rows.emplace_back();
+    for (const std::string& value : setting.values) row.emplace_back(value);
+    row.resize(plan.free.size());  // the controller as it is has no values of its own
+    AddScores(setting, row);
+  }
+  return table;
+}
+
+std::string TuneCsv(const TunePlan& plan, const TuneResult& result) {
+  return CsvOf(SettingsTable(plan, result, result.tried));
+}
+
+std::string TuneJson(const TunePlan& plan, const TuneResult& result) {
+  Json json = AskedJson(plan);
+  json.update(ResultJson(plan, result));
+  json["verdict"] = JsonOf(VerdictOf(plan, result));
+  return json.dump(1) + "\n";
+}
+
+std::string TuneAllCsv(const std::vector<TunedKind>& kinds) {
+  ResultTable table{.columns = {OnlyInCsv("filter"), OnlyInCsv("settings"), OnlyInCsv("front")}};
+  std::ranges::move(ScoreColumns(kinds.front().result.metrics), std::back_inserter(table.columns));
+  for (const TunedKind& tuned : kinds) {
+    for (std::size_t i = 0; i < tuned.result.tried.size(); ++i) {
+      const TunedSetting& setting = tuned.result.tried[i];
+      ResultRow& row = table.rows.emplace_back();
+      row = {ResultCell(tuned.kind), ResultCell(SettingsText(tuned.plan, setting.values)),
+             ResultCell(std::ranges::count(tuned.result.front, i) > 0)};
+      AddScores(setting, row);
+    }
+  }
+  return CsvOf(table);
+}
+
+std::string TuneAllJson(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
+  Json json = AskedJson(plan);
+  json["verdict"] = JsonOf(VerdictOf(plan, kinds));
+  json["filters"] = Json::array();
+  for (const TunedKind& tuned : kinds) {
+    Json& entry = json["filters"].emplace_back(Json{{"filter", tuned.kind}});
+    if (!tuned.left_out.empty()) {
+      entry["left_out"] = tuned.left_out;
+      continue;
+    }
+    if (tuned.has_answer()) entry["to_best"] = ComparisonJson(tuned.to_best);
+    entry.update(ResultJson(tuned.plan, tuned.result));
+  }
+  return json.dump(1) + "\n";
+}
+
+std::string KeyInController(const TunePlan& plan, std::size_t axis) {
+  return plan.free[axis].key.substr(std::string("controllers.").size() + plan.controller.size() +
+                                    1);
+}
+
+std::string ControllerYaml(const NamedController& controller) {
+  NamedController copy = controller;  // a visitor may change what it sees
+  return SettingsToYaml([&copy](controller::SettingsVisitor& visitor) { copy.Visit(visitor); });
+}
+
+std::string QuestionText(const TunePlan& plan, const std::string& search) {
+  const Metric& metric = Metrics()[plan.minimise];
+  std::string text =
+      fmt::format("{} of {}{}{}: {} {}", plan.controller, plan.scenario.file.stem().string(),
+                  plan.physics ? "" : " (filters only, no hand)", search,
+                  metric.lower_is_better ? "least" : "most", ScoreName(plan.minimise));
+  for (const Constraint& constraint : plan.constraints) text += ", " + constraint.Text();
+  return text;
+}
+
+std::string SeedsText(const TunePlan& plan, const TuneResult& result) {
+  const int first = result.first_seed;
+  return fmt::format("{}, validated on held-out {}", Seeds(first, plan.seeds),
+                     Seeds(first + plan.seeds, plan.held_out));
+}
+
+ResultText TuneText(const TunePlan& plan, const TuneResult& result, bool verbose) {
+  ResultText text = {fmt::format("{}\n{} settings on {}", QuestionText(plan, ""),
+                                 result.tried.size(), SeedsText(plan, result))};
+  AddVerdict(VerdictOf(plan, result), text);
+  text.emplace_back(HeldOutTable(plan, result));
+  if (result.refused > 0) {
+    AddLine(
+        fmt::format("{} better settings violated a bound on the held-out seeds.", result.refused),
+        text);
+  }
+  if (!verbose) return text;
+  text.emplace_back(ValuesTable(plan, result));
+  if (!result.front.empty()) {
+    text.emplace_back("Pareto front of delay and jitter, of the settings tried:");
+    text.emplace_back(FrontTable(plan, result));
+  }
+  return text;
+}
+
+ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds, bool verbose) {
+  ResultTable table{.columns = {ForPeople("filter")}};
+  std::ranges::move(MetricColumns(kinds.front().result.metrics, ""),
+                    std::back_inserter(table.columns));
+  table.columns.push_back(ForPeople("against\nthe best"));
+  if (verbose) table.columns.push_back(ForPeople("settings").Words());
+  std::string others;
+  for (const TunedKind& tuned : kinds) {
+    if (!tuned.has_answer()) {
+      others += fmt::format("{}: {}\n", tuned.kind,
+                            tuned.left_out.empty() ? tuned.result.problem : tuned.left_out);
+      continue;
+    }
+    ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell::Text(tuned.kind)});
+    for (const MeanInterval& score : tuned.result.verdict.scores) {
+      row.push_back(verbose ? CellOf(score) : ResultCell(score.mean));
+    }
+    row.push_back(ResultCell::Text(
+        &tuned == &kinds.front() ? "best" : JudgementWord(tuned.to_best.judgement)));
+    if (verbose) {
+      row.push_back(ResultCell::Text(SettingsText(tuned.plan, tuned.result.verdict.values)));
+    }
+  }
+  ResultText text = {fmt::format("{}\nat most {} settings of each kind on {}",
+                                 QuestionText(plan, ", every kind of filter"), plan.evaluations,
+                                 SeedsText(plan, kinds.front().result))};
+  AddVerdict(VerdictOf(plan, kinds), text);
+  text.emplace_back(std::move(table));
+  if (verbose) text.emplace_back(others);
+  return text;
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/answers/tune/tune.h"
+#include "sim/answers/tune/tune_all.h"
+#include "sim/results/result_table.h"
+#include "sim/results/table_text.h"
+#include "sim/results/verdict.h"
+
+namespace gauntlet::sim {
+
+/// A row per setting: the values of what is free, scores with intervals.
+ResultTable SettingsTable(const TunePlan& plan, const TuneResult& result,
+                          const std::vector<TunedSetting>& settings);
+
+/// The setting that was found.
+Verdict VerdictOf(const TunePlan& plan, const TuneResult& result);
+/// The filter that is best on seeds that no search has seen; nothing is recommended where others
+/// are undecided against it.
+Verdict VerdictOf(const TunePlan& plan, const std::vector<TunedKind>& kinds);
+
+/// A row per setting that was tried.
+std::string TuneCsv(const TunePlan& plan, const TuneResult& result);
+std::string TuneJson(const TunePlan& plan, const TuneResult& result);
+/// The same of all kinds of filters: `tune --all`.
+std::string TuneAllCsv(const std::vector<TunedKind>& kinds);
+std::string TuneAllJson(const TunePlan& plan, const std::vector<TunedKind>& kinds);
+
+/// A key without the controllers.<name>. before it.
+std::string KeyInController(const TunePlan& plan, std::size_t axis);
+
+/// Every value of a controller, as it stands in a scenario below its name: what `!include` takes.
+std::string ControllerYaml(const NamedController& controller);
+
+/// The result of tuning for people: values, scores on the held-out seeds, the front.
+ResultText TuneText(const TunePlan& plan, const TuneResult& result, bool verbose);
+
+/// `tuned_kalman of door_opening: least jitter_rms_deg, delay_ms<=50`; `search`: behind the name.
+std::string QuestionText(const TunePlan& plan, const std::string& search);
+/// `seeds 1 to 8; judged on seeds 9 to 16`.
+std::string SeedsText(const TunePlan& plan, const TuneResult& result);
+
+/// The result of `tune --all` for people: a row per kind of filter, the best first.
+ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds, bool verbose);
+
+}  // namespace gauntlet::sim

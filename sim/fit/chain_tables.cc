@@ -1,0 +1,279 @@
+#include "sim/fit/chain_tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <utility>
+
+#include "sim/base/json.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// A quantity of a chain, with so many digits behind the point.
+struct Quantity {
+  const char* key;
+  const char* heading;
+  const char* unit;
+  ChainEstimate ChainFit::*estimate;
+  int digits;
+  bool rare = false;  // few logs determine it: no column for a person if none does
+};
+
+constexpr Quantity kQuantities[] = {
+    {"delay_ms", "delay", "ms", &ChainFit::delay_ms, 1},
+    {"dead_time_ms", "dead time", "ms", &ChainFit::dead_time_ms, 1},
+    {"lag_ms", "lag", "ms", &ChainFit::lag_ms, 1},
+    {"natural_frequency_hz", "frequency", "Hz", &ChainFit::natural_frequency_hz, 1},
+    {"damping_ratio", "damping", "", &ChainFit::damping_ratio, 2},
+    {"gain", "gain", "", &ChainFit::gain, 3},
+    {"offset_deg", "offset", "deg", &ChainFit::offset_deg, 2},
+    {"speed_limit_deg_s", "speed limit", "deg/s", &ChainFit::speed_limit_deg_s, 0, true},
+    {"hysteresis_deg", "hysteresis", "deg", &ChainFit::hysteresis_deg, 2},
+    {"motor_hysteresis_deg", "of motor", "deg", &ChainFit::motor_hysteresis_deg, 2, true},
+    {"lost_motion_deg", "lost motion", "deg", &ChainFit::lost_motion_deg, 2, true}};
+
+ResultCell CellOf(const ChainEstimate& estimate, int digits) {
+  ResultCell cell({estimate.value, estimate.low, estimate.high}, "-");
+  if (std::isfinite(estimate.value)) {
+    cell.text = fmt::format("{:.{}f} {}({:.{}f}..{:.{}f})", estimate.value, digits, kSoftBreak,
+                            estimate.low, digits, estimate.high, digits);
+  }
+  return cell;
+}
+
+/// A key or unit of degrees; `units` if the log's unit is unknown.
+std::string InUnitOf(const ChainLog& log, std::string text) {
+  const auto at = text.find("deg");
+  if (!log.unit_known && at != std::string::npos) text.replace(at, 3, "units");
+  return text;
+}
+
+/// The table that answers: no model, no remarks.
+ResultTable DelayTable(const ChainLog& log, const std::vector<ChainFit>& fits,
+                       const IdentifiedChain& chain) {
+  const std::string unit = InUnitOf(log, "deg");
+  ResultTable table{.columns = {ForPeople("part"), ForPeople("delay (95 % CI)", "ms"),
+                                ForPeople("horizon", "ms"), ForPeople("hysteresis", unit),
+                                ForPeople("residual", unit + " RMS")}};
+  const auto fixed = [](double value, int digits) {
+    return ResultCell::Text(std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-");
+  };
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const ChainFit& fit = fits[i];
+    const bool is_known = fit.problem.empty() && fit.split_problem.empty();
+    table.rows.push_back({ResultCell::Text(log.parts[i]), CellOf(fit.delay_ms, 1),
+                          fixed(chain.horizon_ms.empty() ? kNaN : chain.horizon_ms[i], 1),
+                          fixed(fit.hysteresis_deg.value, 2),
+                          fixed(is_known ? fit.held_out_rms_deg : kNaN, 2)});
+  }
+  return table;
+}
+
+/// "46.0", or "46.0 to 132.6".
+std::string RangeText(const std::vector<double>& values, int digits) {
+  const auto [low, high] = std::ranges::minmax(values);
+  const std::string first = fmt::format("{:.{}f}", low, digits);
+  const std::string last = fmt::format("{:.{}f}", high, digits);
+  return first == last ? first : first + " to " + last;
+}
+
+/// "a, b and 3 others"
+std::string FirstNames(std::vector<std::string> names) {
+  constexpr std::size_t kMost = 3;
+  if (names.size() > kMost + 1) {
+    const std::size_t others = names.size() - kMost;
+    names.resize(kMost);
+    names.push_back(fmt::format("{} others", others));
+  }
+  return Listed(std::move(names));
+}
+
+std::string CountOf(std::size_t count, std::size_t all) {
+  return all == 1 ? "" : fmt::format(" of {} of {} parts", count, all);
+}
+
+/// One sentence with the values that most logs determine and this one does not.
+std::string WithheldText(const std::vector<ChainFit>& fits) {
+  const auto without = [&](auto estimate) {
+    return static_cast<std::size_t>(std::ranges::count_if(fits, [&](const ChainFit& fit) {
+      return fit.problem.empty() && std::isnan((fit.*estimate).value);
+    }));
+  };
+  std::vector<std::string> withheld;
+  for (const auto& [name, estimate] :
+       {std::pair("dead time and lag", &ChainFit::dead_time_ms),
+        std::pair("natural frequency", &ChainFit::natural_frequency_hz),
+        std::pair("hysteresis", &ChainFit::hysteresis_deg)}) {
+    const std::size_t count = without(estimate);
+    if (count > 0) withheld.push_back(name + CountOf(count, fits.size()));
+  }
+  if (withheld.empty()) return "";
+  return fmt::format(
+      "Not determined by this log: {}. Faster motion or more rows per second "
+      "determine more (--verbose: reasons).",
+      Listed(std::move(withheld)));
+}
+
+/// The first thing that keeps a part from being known, if there is any.
+const std::string& ProblemOf(const ChainFit& fit) {
+  if (!fit.problem.empty()) return fit.problem;
+  return fit.split_problem.empty() ? fit.motor_problem : fit.split_problem;
+}
+
+}  // namespace
+
+std::string ExtentText(const ChainResult& result) {
+  std::string extent =
+      fmt::format("{:.1f} s at {:.6g} Hz", result.duration_s(), result.log().rate_hz);
+  if (result.episodes.size() == 1) return extent;
+  return fmt::format("{} episodes, {}: {} fitted, {} held out", result.episodes.size(), extent,
+                     result.fitted, result.judged);
+}
+
+ResultTable ChainTable(const ChainResult& result) {
+  const ChainLog& log = result.log();
+  const std::vector<ChainFit>& fits = result.fits;
+  ResultTable table{.columns = {{"part", "part"}, {"problem"}}};
+  const auto in_unit = [&](const std::string& text) { return InUnitOf(log, text); };
+  for (const Quantity& quantity : kQuantities) {
+    const bool any = std::ranges::any_of(
+        fits, [&](const ChainFit& fit) { return std::isfinite((fit.*quantity.estimate).value); });
+    const std::string key = in_unit(quantity.key);
+    table.columns.push_back(
+        {key,
+         quantity.rare && !any ? "" : quantity.heading,
+         in_unit(quantity.unit),
+         {{"value", key}, {"ci95_low", key + "_low"}, {"ci95_high", key + "_high"}}});
+  }
+  table.columns.push_back({in_unit("residual_rms_deg"), "residual", in_unit("deg")});
+  table.columns.push_back({in_unit("held_out_rms_deg"), "held out", in_unit("deg")});
+  table.columns.push_back({in_unit("shifted_rms_deg")});
+  table.columns.push_back({"model"});
+  table.columns.push_back({"remarks"});
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const ChainFit& fit = fits[i];
+    const std::string& problem = ProblemOf(fit);
+    ResultRow& row = table.rows.emplace_back();
+    row = {ResultCell(log.parts[i]), problem.empty() ? ResultCell() : ResultCell(problem)};
+    for (const Quantity& quantity : kQuantities) {
+      row.push_back(CellOf(fit.*quantity.estimate, quantity.digits));
+    }
+    const bool is_known = fit.problem.empty() && fit.split_problem.empty();
+    for (const double rms_deg : {fit.residual_rms_deg, fit.held_out_rms_deg}) {
+      row.push_back({{rms_deg}, is_known ? fmt::format("{:.2f}", rms_deg) : "-"});
+    }
+    row.emplace_back(fit.shifted_rms_deg);
+    row.push_back(ResultCell::IfAny(fit.model_text));
+    row.push_back(ResultCell::IfAny(RemarksOf(log, fit)));
+  }
+  return table;
+}
+
+ResultText ChainText(const ChainResult& result) {
+  const ChainLog& log = result.log();
+  const std::vector<ChainFit>& fits = result.fits;
+  ResultText text = {ExtentText(result) + "; in brackets: 95 % confidence interval",
+                     ChainTable(result)};
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const std::string& problem = ProblemOf(fits[i]);
+    if (!problem.empty()) AddLine(fmt::format("{}: {}", log.parts[i], problem), text);
+    if (!fits[i].model_text.empty()) {
+      const std::string remarks = RemarksOf(log, fits[i]);
+      AddLine(fmt::format("{}: {}{}{}", log.parts[i], fits[i].model_text,
+                          remarks.empty() ? "" : "; ", remarks),
+              text);
+    }
+  }
+  AddLine(log.unit_note, text);
+  AddLine(WhatFramesAre(log, fits), text);
+  AddLine(WhatHysteresisIs(fits), text);
+  return text;
+}
+
+Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain,
+                  const std::string& file) {
+  const ChainLog& log = result.log();
+  const std::vector<ChainFit>& fits = result.fits;
+  Verdict verdict;
+  std::vector<double> delays_ms;
+  std::vector<std::string> without_delay;  // the model of the others is known
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    if (std::isfinite(fits[i].delay_ms.value)) {
+      delays_ms.push_back(fits[i].delay_ms.value);
+    } else if (fits[i].problem.empty()) {
+      without_delay.push_back(log.parts[i]);
+    }
+  }
+  if (chain.horizon_ms.empty()) {
+    verdict.AddReason("horizon", "No horizon_ms: the log determines no delay.");
+  } else {
+    const std::string horizon = RangeText(chain.horizon_ms, 1);
+    verdict.recommended = "horizon_ms: " + horizon;
+    verdict.AddReason(
+        "horizon",
+        fmt::format("Set prediction.horizon_ms to {} ({:g} of the delay{}, {} ms): written to {}, "
+                    "for a controller's key chain.",
+                    horizon, kHorizonShare, fits.size() == 1 ? "" : " of each part",
+                    RangeText(delays_ms, 1), file));
+  }
+  verdict.AddReason("withheld", WithheldText(fits));
+  if (!without_delay.empty() && !delays_ms.empty()) {
+    verdict.AddWarning("assumed_delay",
+                       FirstNames(without_delay) +
+                           " without a delay: the delay depends on the size of the motion. The "
+                           "mean of the others is written.");
+  }
+  std::vector<std::string> failed;
+  std::string problem;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    if (fits[i].problem.empty()) continue;
+    failed.push_back(log.parts[i]);
+    if (problem.empty()) problem = fits[i].problem;
+  }
+  if (!failed.empty()) {
+    verdict.AddWarning("failed",
+                       fmt::format("No result for {}: {}.{}", FirstNames(failed), problem,
+                                   delays_ms.empty() ? "" : " The mean of the others is written."));
+  }
+  verdict.AddWarning("unit", log.unit_note);
+  return verdict;
+}
+
+ResultText ChainAnswer(const ChainResult& result, const IdentifiedChain& chain,
+                       const std::string& file, bool verbose) {
+  const std::size_t parts = result.fits.size();
+  ResultText text = {fmt::format("{}: {}, {} part{}", result.log().name, ExtentText(result), parts,
+                                 parts == 1 ? "" : "s")};
+  AddVerdict(VerdictOf(result, chain, file), text);
+  text.emplace_back(DelayTable(result.log(), result.fits, chain));
+  std::ranges::move(HeldOutText(result), std::back_inserter(text));
+  if (verbose) std::ranges::move(ChainText(result), std::back_inserter(text));
+  return text;
+}
+
+std::string ChainJson(const ChainResult& result, const Verdict& verdict) {
+  const ChainLog& log = result.log();
+  Json json = {{"log", log.name},
+               {"samples", log.command_deg.rows()},
+               {"rate_hz", log.rate_hz},
+               {"angle_unit", log.unit_known ? "deg" : "unknown"},
+               {"verdict", JsonOf(verdict)},
+               {"parts", JsonOf(ChainTable(result))}};
+  if (result.episodes.size() > 1) {
+    json["samples"] = 0;
+    for (const ChainLog& episode : result.episodes) {
+      json["samples"] = json["samples"].get<std::int64_t>() + episode.command_deg.rows();
+    }
+    json["episodes"] = {{"fitted", result.fitted},
+                        {"held_out", result.judged},
+                        {"left_out", result.left_out},
+                        {"parts", JsonOf(HeldOutTable(result))}};
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace gauntlet::sim

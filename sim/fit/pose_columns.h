@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "sim/recordings/column_map.h"
+#include "sim/tables/table_layout.h"
+
+namespace gauntlet::sim {
+
+/// A column with a channel's counts or angle; `scale` converts the angle to degrees. `bits` of the
+/// counts' converter are those of the map; 0: not given.
+struct ChannelColumn {
+  std::size_t column = 0;
+  std::string channel;
+  double scale = 1.0;
+  int bits = 0;
+};
+
+/// Meaning of the columns of a recording of known poses: see LoadPoseRecording.
+struct PoseColumns {
+  std::vector<TimeMapping> time;  // summed; empty: no time column
+  std::vector<ChannelColumn> counts;
+  std::vector<ChannelColumn> angles;  // in the order of `counts`; empty: no known angles
+  std::size_t left_out = 0;           // number of other signals of a trace
+  std::vector<std::string> unknown;   // names of other ignored columns
+};
+
+/// Finds the columns by their names, or by a column map.
+/// Errors: UserError `file:row:column: ...`.
+PoseColumns FindPoseColumns(const FoundTable& table, const std::string& map);
+
+}  // namespace gauntlet::sim

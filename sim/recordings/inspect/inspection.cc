@@ -1,0 +1,785 @@
+#include "sim/recordings/inspect/inspection.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <set>
+#include <string_view>
+
+#include "controller/number.h"
+#include "sim/base/channels.h"
+#include "sim/base/csv_line.h"
+#include "sim/base/error.h"
+#include "sim/base/signal.h"
+#include "sim/base/text.h"
+#include "sim/recordings/column_map.h"
+#include "sim/recordings/column_scale.h"
+#include "sim/recordings/envelope.h"
+#include "sim/recordings/inspect/row_groups.h"
+#include "sim/recordings/table_source.h"
+#include "sim/recordings/time_guess.h"
+#include "sim/tables/csv_reader.h"
+#include "sim/tables/name_words.h"
+#include "sim/tables/time_columns.h"
+#include "sim/tables/time_text.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// The beginning of a source, cut at the end of a line. `is_whole` becomes false if the source has
+/// more.
+CsvReader::Source BeginningOf(CsvReader::Source source, const std::shared_ptr<bool>& is_whole) {
+  return [source = std::move(source), is_whole, given = std::uintmax_t{0}](
+             char* buffer, std::size_t size) mutable -> std::size_t {
+    if (!*is_whole) return 0;
+    const std::size_t got = source(buffer, size);
+    given += got;
+    if (given < kMostInspectedBytes) return got;
+    *is_whole = false;
+    const std::string_view text(buffer, got);
+    return std::min(text.rfind('\n'), got - 1) + 1;
+  };
+}
+
+bool NamesDevices(const std::string& name) {
+  return HasWordOf(WordsOf(name),
+                   "hand handedness side device sensor glove servo motor joint id track");
+}
+
+/// True if the first rows have few different values: a sensor that moves has more.
+bool HasFewValues(const TableLayout& layout, std::size_t column) {
+  constexpr std::size_t kFew = 16;
+  std::set<std::string_view> values;
+  for (const std::vector<std::string>& row : layout.rows) values.insert(row[column]);
+  return values.size() <= kFew;
+}
+
+/// Columns that may tell hands, devices or sessions apart: texts, and numbers by their names.
+std::vector<RowGroups> GroupsToWatch(const Inspection& inspection) {
+  std::vector<RowGroups> groups;
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    const std::string& name = inspection.columns[c].name;
+    const CellKind kind = inspection.columns[c].kind;
+    const bool is_number_of_groups = kind == CellKind::kNumber &&
+                                     (NamesParts(name) || NamesDevices(name)) &&
+                                     HasFewValues(inspection.layout, c);
+    if (kind == CellKind::kText || is_number_of_groups) {
+      groups.emplace_back(c, inspection.columns.size());
+    }
+  }
+  return groups;
+}
+
+/// Reads the whole table once.
+TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColumn>& columns,
+                          CsvReader& csv, std::vector<RowGroups>& groups) {
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c].kind == CellKind::kText) csv.ReadAsTexts(c);
+    if (columns[c].kind == CellKind::kTime) csv.ReadAsTime(c);
+  }
+  TableStatistics statistics(csv.column_count());
+  std::vector<double> values(csv.column_count());
+  while (csv.NextRow(values)) {
+    double time_s = time.parts.empty() ? kNaN : 0.0;
+    for (const TimePart& part : time.parts) time_s += values[part.column] * SecondsPer(part.unit);
+    statistics.Add(time_s, values);
+    for (RowGroups& group : groups) group.Add(time_s, values[group.column()], values);
+  }
+  return statistics;
+}
+
+/// A clock whose steps are longer than those of the rows.
+bool IsCoarse(const TimeStatistics& time, std::size_t rows) {
+  constexpr double kMostRepeats = 0.04;  // more would need a repair of too many rows
+  return time.duration_s > 0.0 &&
+         static_cast<double>(time.repeats) > kMostRepeats * static_cast<double>(rows);
+}
+
+/// Rows that come in bursts, as USB packets do: most intervals are far shorter or far longer than
+/// the usual one.
+bool IsInBursts(const TimeStatistics& time) {
+  constexpr double kFar = 4.0;
+  const double usual_ms = 1e3 / time.rate_hz;
+  return time.short_ms < usual_ms / kFar && time.long_ms > kFar * usual_ms;
+}
+
+/// The rates in a line before the table: numbers behind `rate` or `fs`, or before `Hz`. Other
+/// numbers of the line, as of a version, are none.
+std::vector<double> RatesIn(const std::string& note) {
+  constexpr double kSlowest_hz = 1.0;
+  constexpr double kFastest_hz = 1e4;
+  std::vector<double> rates_hz;
+  constexpr std::string_view kInterval = "Delta_X";  // of LabVIEW, in s
+  if (note.starts_with(kInterval)) {
+    const std::string_view rest = Trimmed(std::string_view(note).substr(kInterval.size()));
+    const auto interval_s = controller::ParseNumber(rest.substr(0, rest.find_first_of(" \t,;")));
+    if (interval_s && *interval_s > 0.0) rates_hz.push_back(1.0 / *interval_s);
+    return rates_hz;
+  }
+  if (!HasWordOf(WordsOf(note),
+                 "sampling sample samplerate samplingrate samples fps fs frame update")) {
+    return rates_hz;
+  }
+  constexpr std::string_view kDigits = "0123456789";
+  for (std::size_t behind = 0, digit = note.find_first_of(kDigits); digit != std::string::npos;
+       digit = note.find_first_of(kDigits, behind)) {
+    const std::string before = note.substr(behind, digit - behind);
+    behind = std::min(note.find_first_not_of("0123456789.", digit), note.size());
+    const std::string number = note.substr(digit, behind - digit);
+    const std::size_t next = std::min(note.find_first_of(kDigits, behind), note.size());
+    const std::vector<std::string> unit = WordsOf(note.substr(behind, next - behind));
+    const auto rate_hz = controller::ParseNumber(number);
+    const bool is_rate =
+        HasWordOf(WordsOf(before), "rate frequency hz fps fs samplerate samplingrate") ||
+        (!unit.empty() && HasWordOf({unit.front()}, "hz fps"));
+    if (is_rate && rate_hz && *rate_hz >= kSlowest_hz && *rate_hz <= kFastest_hz) {
+      rates_hz.push_back(*rate_hz);
+    }
+  }
+  return rates_hz;
+}
+
+/// Rate in the lines before the table, as `Sampling rate: 100 Hz`; 0 if there is none, or if they
+/// contain several.
+double RateInNotes(const std::vector<std::string>& notes) {
+  double found_hz = 0.0;
+  for (const std::string& note : notes) {
+    for (const double rate_hz : RatesIn(note)) {
+      if (found_hz > 0.0 && rate_hz != found_hz) return 0.0;
+      found_hz = rate_hz;
+    }
+  }
+  return found_hz;
+}
+
+/// A table whose rows have no times of their own: the rate is the given one (0: none), the mean of
+/// a coarse clock, or an assumption.
+void TakeRate(const TimeStatistics& time, bool is_coarse, double given_rate_hz,
+              Inspection& inspection) {
+  constexpr double kAssumedRateHz = 50.0;
+  inspection.rate_is_known = given_rate_hz > 0.0;
+  inspection.rate_is_assumed = !inspection.rate_is_known;
+  const auto rows = static_cast<double>(inspection.rows);
+  inspection.time.rate_hz = inspection.rate_is_known ? given_rate_hz
+                            : is_coarse              ? (rows - 1.0) / time.duration_s
+                                                     : kAssumedRateHz;
+  inspection.time.duration_s = rows / inspection.time.rate_hz;
+}
+
+/// The map that is given, if one is.
+std::optional<ColumnMap> MapOf(const Inspection& inspection, const std::string& map) {
+  if (map.empty()) return std::nullopt;
+  return ReadColumnMap(map, {.name = inspection.file,
+                             .header = inspection.layout.names,
+                             .count = inspection.layout.columns});
+}
+
+/// Takes over the guessed time columns if their time advances from row to row.
+void TakeTime(const TimeGuess& guess, const TimeStatistics& time, double given_rate_hz,
+              Inspection& inspection) {
+  const bool is_bursts = !guess.parts.empty() && IsInBursts(time);
+  const bool is_coarse = is_bursts || (!guess.parts.empty() && IsCoarse(time, inspection.rows));
+  inspection.has_time = !guess.parts.empty() && std::isfinite(time.rate_hz) && !is_coarse;
+  inspection.rate_is_known = inspection.has_time;
+  inspection.time_why = guess.parts.empty() || inspection.has_time ? guess.why
+                        : is_bursts ? "its rows come in bursts and are spread evenly"
+                        : is_coarse ? "its clock repeats in many rows; the mean rate counts"
+                                    : "its column has no two rows at different times";
+  for (const TimePart& part : guess.parts) inspection.columns.at(part.column).is_time = true;
+  if (!inspection.has_time) {
+    TakeRate(time, is_coarse, given_rate_hz, inspection);
+    return;
+  }
+  inspection.rate_is_assumed = guess.is_assumed;
+  inspection.time = time;
+  for (const TimePart& part : guess.parts) {
+    inspection.columns.at(part.column).time_unit = part.unit;
+  }
+}
+
+int BitsFor(double high) {
+  for (const int bits : {8, 10, 12, 14, 16, 24}) {
+    if (high < std::ldexp(1.0, bits)) return bits;
+  }
+  return 32;
+}
+
+std::vector<ColumnEvidence> EvidenceOf(const Inspection& inspection,
+                                       const TableStatistics& statistics) {
+  std::vector<ColumnEvidence> evidence;
+  const std::vector<std::string> names = WithFingers(inspection.layout.names);
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    const InspectedColumn& column = inspection.columns[c];
+    const bool is_number = column.kind == CellKind::kNumber;
+    evidence.push_back({.name = names[c],
+                        .is_text = !is_number,
+                        .is_time = column.is_time,
+                        .statistics = column.statistics,
+                        .values = is_number ? statistics.KeptValues(c) : std::vector<double>()});
+  }
+  return evidence;
+}
+
+/// The family of the columns that a person calls sensors, and nothing else.
+std::vector<ColumnFamily> GivenFamily(const std::vector<ColumnEvidence>& evidence,
+                                      std::size_t first, std::size_t last) {
+  if (first < 1 || last < first || last > evidence.size()) {
+    throw UserError(fmt::format("--columns must be FIRST-LAST within 1 and {}", evidence.size()));
+  }
+  std::vector<std::size_t> columns(last - first + 1);
+  std::iota(columns.begin(), columns.end(), first - 1);
+  for (const std::size_t c : columns) {
+    if (!evidence[c].is_text && !evidence[c].is_time && evidence[c].statistics.good_rows > 0) {
+      continue;
+    }
+    throw UserError(fmt::format("--columns: column {} {}", c + 1,
+                                evidence[c].is_time ? "is the time" : "contains no numbers"));
+  }
+  return {FamilyOfSensors(evidence, columns)};
+}
+
+/// True for a sensor that hardly ever leaves one value, or seldom and not far.
+bool IsDead(const ColumnStatistics& is, double widest) {
+  constexpr double kAlways = 0.99;
+  constexpr double kMostly = 0.95;
+  constexpr double kNarrow = 0.5;  // of the widest range of a sensor
+  return is.commonest_share >= kAlways ||
+         (is.commonest_share >= kMostly && is.high - is.low < kNarrow * widest);
+}
+
+/// True for activity that is rectified already: never below zero, and near it at rest.
+bool IsRectified(const ColumnStatistics& is) {
+  constexpr double kNearZero = 0.1;  // of the highest usual value
+  return is.low >= 0.0 && is.usual_low < kNearZero * is.usual_high;
+}
+
+/// Replaces the statistics of raw muscle signals by those of their envelopes.
+void TakeEnvelopes(const std::filesystem::path& file, const std::string& array,
+                   const TimeGuess& time, Inspection& inspection) {
+  std::vector<std::pair<std::size_t, Envelope>> envelopes;
+  for (const std::size_t c : inspection.Sensors()) {
+    if (inspection.columns[c].quantity != Quantity::kMuscle) continue;
+    if (IsRectified(inspection.columns[c].statistics)) continue;
+    envelopes.emplace_back(c, Envelope(kUsualEnvelope_ms));
+  }
+  if (envelopes.empty()) return;
+  const auto is_whole = std::make_shared<bool>(true);
+  auto [layout, reader] = FindTable(file.string(), BeginningOf(TableSource(file, array), is_whole),
+                                    ProblemHandling::kRepair);
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    if (inspection.columns[c].kind == CellKind::kText) reader.Ignore(c);
+    if (inspection.columns[c].kind == CellKind::kTime) reader.ReadAsTime(c);
+  }
+  TableStatistics statistics(envelopes.size());
+  std::vector<double> values(reader.column_count());
+  std::vector<double> active(envelopes.size());
+  for (double row = 0.0; reader.NextRow(values); ++row) {
+    double time_s = inspection.has_time ? 0.0 : row / inspection.time.rate_hz;
+    for (const TimePart& part : time.parts) {
+      if (inspection.has_time) time_s += values[part.column] * SecondsPer(part.unit);
+    }
+    for (std::size_t i = 0; i < envelopes.size(); ++i) {
+      active[i] = envelopes[i].second.Step(time_s, values[envelopes[i].first]);
+    }
+    statistics.Add(time_s, active);
+  }
+  for (std::size_t i = 0; i < envelopes.size(); ++i) {
+    InspectedColumn& column = inspection.columns[envelopes[i].first];
+    column.statistics = statistics.Column(i);
+    column.envelope_ms = kUsualEnvelope_ms;
+    column.why = fmt::format("its envelope, mean absolute value over {:g} ms, lags by {:g} ms",
+                             kUsualEnvelope_ms, 0.5 * kUsualEnvelope_ms);
+  }
+}
+
+/// Quantities of the columns, and the joints of one family.
+void TakeJoints(const std::vector<ColumnFamily>& families, const JointChoice& choice,
+                Inspection& inspection) {
+  for (const ColumnFamily& family : families) {
+    for (const std::size_t c : family.columns) {
+      InspectedColumn& column = inspection.columns[c];
+      column.quantity = family.quantity;
+      column.why = family.quantity == Quantity::kSensor
+                       ? "a sensor of another family than that of the joints"
+                       : std::string(family.why);
+      if (column.kind == CellKind::kTime) column.why = "another time";
+    }
+  }
+  double widest = 0.0;  // range of a sensor
+  for (const std::size_t c : choice.columns) {
+    const ColumnStatistics& is = inspection.columns[c].statistics;
+    widest = std::max(widest, is.high - is.low);
+  }
+  for (std::size_t i = 0; i < choice.columns.size(); ++i) {
+    InspectedColumn& column = inspection.columns[choice.columns[i]];
+    const ColumnJoint& joint = choice.joints[i];
+    column.is_sensor = true;
+    column.is_dead = IsDead(column.statistics, widest);
+    column.channel = joint.channel;
+    column.basis = joint.basis;
+    column.why = joint.why.empty() ? "its joint is unknown" : joint.why;
+    if (column.is_dead) {
+      column.why = fmt::format("dead: {:g} in {:.3g} % of the rows", column.statistics.low,
+                               100.0 * column.statistics.commonest_share);
+    }
+  }
+  inspection.unit = choice.columns.empty() ? RawUnit::kUnknown : choice.unit;
+  inspection.unit_is_assumed = choice.unit_is_assumed;
+  inspection.unit_why = choice.unit_why;
+  inspection.unit_high = choice.high;
+  if (inspection.unit == RawUnit::kCounts) inspection.bits = BitsFor(choice.high);
+  inspection.question = choice.question;
+  inspection.remedy = choice.is_command_log    ? Remedy::kIdentify
+                      : choice.columns.empty() ? Remedy::kInSentence
+                                               : Remedy::kPresetOrMap;
+}
+
+double DegPerUnit(const Inspection& inspection) {
+  return inspection.unit == RawUnit::kRadians ? kDegPerRad : 1.0;
+}
+
+bool HasAngles(const Inspection& inspection) {
+  return inspection.unit == RawUnit::kDegrees || inspection.unit == RawUnit::kRadians;
+}
+
+/// One sign for all joints that bend mainly to the positive side: that of most of them. Angles of
+/// a joint that are nearly all negative fall while it bends.
+void GuessSign(Inspection& inspection) {
+  if (!HasAngles(inspection)) return;
+  std::vector<std::size_t> flexions;
+  std::size_t falling = 0, rising = 0;
+  for (const std::size_t c : inspection.MappedColumns()) {
+    const InspectedColumn& column = inspection.columns[c];
+    const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
+    if (joint.max_deg < -joint.min_deg + 20.0 || column.is_turning) continue;
+    flexions.push_back(c);
+    const double middle_deg =
+        DegPerUnit(inspection) * (column.statistics.usual_low + column.statistics.usual_high) / 2.0;
+    const double far_deg = 0.05 * (joint.max_deg - joint.min_deg);
+    falling += middle_deg < -far_deg ? 1 : 0;
+    rising += middle_deg > far_deg ? 1 : 0;
+  }
+  inspection.sign_is_assumed = falling > 0;
+  if (falling <= rising) return;
+  for (const std::size_t c : flexions) inspection.columns[c].is_inverted = true;
+}
+
+/// Angles that jump by 360 from row to row go on without the jump, in the range of the joint.
+void UnwrapTurns(Inspection& inspection) {
+  if (inspection.unit != RawUnit::kDegrees) return;
+  constexpr double kTurn_deg = 360.0;
+  for (const std::size_t c : inspection.MappedColumns()) {
+    InspectedColumn& column = inspection.columns[c];
+    if (column.statistics.turns == 0) continue;
+    column.is_turning = true;
+    std::vector<double>& values = inspection.picture_values[c];
+    double turns = 0.0, low = kNaN, high = kNaN, before = kNaN;
+    for (double& value : values) {
+      if (value - before > kTurn_deg / 2.0) turns -= kTurn_deg;
+      if (value - before < -kTurn_deg / 2.0) turns += kTurn_deg;
+      before = value;
+      value += turns;
+      low = std::fmin(low, value);
+      high = std::fmax(high, value);
+    }
+    const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
+    const double middle = (joint.min_deg + joint.max_deg) / 2.0;
+    column.turned_deg = kTurn_deg * std::round((middle - (low + high) / 2.0) / kTurn_deg);
+    column.why += "; it jumps by 360: the jumps are undone";
+    for (double& value : values) value += column.turned_deg;
+  }
+}
+
+/// Share of the rows with an angle beyond the joint's range, by more than this share of the range.
+double ShareBeyond(const Inspection& inspection, std::size_t c, double margin) {
+  const InspectedColumn& column = inspection.columns[c];
+  const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
+  const double reach_deg = margin * (joint.max_deg - joint.min_deg) + 0.1;
+  const double factor = DegPerUnit(inspection) * (column.is_inverted ? -1.0 : 1.0);
+  double beyond = 0.0, all = 0.0;
+  for (const double value : inspection.picture_values[c]) {
+    if (!std::isfinite(value)) continue;
+    all += 1.0;
+    const double deg = factor * value;
+    beyond += deg < joint.min_deg - reach_deg || deg > joint.max_deg + reach_deg ? 1.0 : 0.0;
+  }
+  return all > 0.0 ? beyond / all : 0.0;
+}
+
+/// A sentence if an angle is nearly always beyond its joint's range, or often far beyond it.
+std::string RangeQuestion(const Inspection& inspection) {
+  if (!HasAngles(inspection)) return "";
+  constexpr double kNearlyAlways = 0.95;
+  constexpr double kOften = 0.05;
+  constexpr double kFar = 0.5;  // of the joint's range: reading takes it for a glitch
+  for (const std::size_t c : inspection.MappedColumns()) {
+    const double share = ShareBeyond(inspection, c, 0.0);
+    const double far_share = ShareBeyond(inspection, c, kFar);
+    if (share < kNearlyAlways && far_share < kOften) continue;
+    const Channel& joint = KnownChannels()[ChannelIndex(inspection.columns[c].channel)];
+    return fmt::format(
+        "column {}: {} of {:.0f} % of the rows is outside its range, {:g} to {:g} deg; the unit "
+        "[{}] "
+        "or the joint is another",
+        c + 1, joint.name, 100.0 * std::max(share, far_share), joint.min_deg, joint.max_deg,
+        NameOf(inspection.unit));
+  }
+  return "";
+}
+
+/// A sentence if the joints have a clock of their own, with the first word of their names, whose
+/// duration is not that of the time.
+std::string ClockQuestion(const Inspection& inspection) {
+  constexpr double kSame = 0.005;  // of the duration
+  const double duration_s = inspection.time.duration_s;
+  for (std::size_t c = 0; inspection.has_time && c < inspection.columns.size(); ++c) {
+    const InspectedColumn& column = inspection.columns[c];
+    const std::size_t cut = std::min(column.name.find('_'), column.name.size() - 1) + 1;
+    const auto scale_s = TimeScaleS(column.name.substr(cut));
+    const double own_s = scale_s.value_or(kNaN) * (column.statistics.high - column.statistics.low);
+    const std::string_view word = std::string_view(column.name).substr(0, cut);
+    const auto has_word = [&](std::size_t i) {
+      return inspection.columns[i].name.starts_with(word);
+    };
+    if (column.is_time || !(std::abs(own_s - duration_s) > kSame * duration_s) ||
+        !std::ranges::all_of(inspection.MappedColumns(), has_word)) {
+      continue;
+    }
+    return fmt::format(
+        "the joints have a clock of their own, column {}, which takes {:.4g} s, not {:.4g} s; "
+        "name it as the time in a map",
+        c + 1, own_s, duration_s);
+  }
+  return "";
+}
+
+/// A sentence and its remedy.
+struct Question {
+  std::string sentence = {};  // empty: none
+  Remedy remedy = Remedy::kInSentence;
+};
+
+/// A question if rows of several hands, devices or sessions are in one table.
+Question GroupQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
+                       bool has_map) {
+  const std::vector<std::size_t> joints = inspection.MappedColumns();
+  for (const RowGroups& group : groups) {
+    const std::string& name = inspection.columns[group.column()].name;
+    const std::string column = fmt::format("column {} '{}'", group.column() + 1, OneLine(name, 20));
+    if (group.Alternate(joints)) {
+      return {fmt::format("rows of {} hands or devices alternate ({}); keep those of one in a file",
+                          group.count(), column)};
+    }
+    if (!has_map && NamesParts(name) && group.Jump(joints)) {
+      return {fmt::format(
+                  "the joints jump where {} changes, and the clock does not start anew; write each "
+                  "of the {} parts to a file, or keep all as one recording by a map",
+                  column, group.count()),
+              Remedy::kMap};
+    }
+  }
+  return {};
+}
+
+/// A sentence if the time falls from row to row.
+std::string FallingTimeQuestion(const Inspection& inspection) {
+  constexpr double kNearlyAlways = 0.9;
+  for (std::size_t c = 0; !inspection.has_time && c < inspection.columns.size(); ++c) {
+    const InspectedColumn& column = inspection.columns[c];
+    if (TimeScaleS(column.name) && column.statistics.falling_share > kNearlyAlways) {
+      return fmt::format("the time (column {}) falls from row to row; sort the rows by it", c + 1);
+    }
+  }
+  return "";
+}
+
+/// A sentence if texts that may be the time are not understood, and the rate would be assumed.
+std::string TextTimeQuestion(const Inspection& inspection) {
+  for (std::size_t c = 0; !inspection.rate_is_known && c < inspection.columns.size(); ++c) {
+    const InspectedColumn& column = inspection.columns[c];
+    const bool is_named = TimeScaleS(column.name) ||
+                          HasWordOf(WordsOf(column.name), "time timestamp datetime clock stamp");
+    if (inspection.has_time || column.kind != CellKind::kText || !is_named) continue;
+    return fmt::format(
+        "the time (column {}) is a text that is not understood: '{}'; write it in seconds, or give "
+        "the rate to gauntlet inspect --rate HZ",
+        c + 1, OneLine(inspection.layout.rows.front()[c], 30));
+  }
+  return "";
+}
+
+/// A sentence if the header has one name too few, and it is unknown which.
+std::string HeaderQuestion(const Inspection& inspection) {
+  if (!inspection.problems.contains(std::string(NameOf(RecordingProblem::kShortHeader)))) return "";
+  const bool is_last = inspection.columns.back().name.empty();
+  const InspectedColumn& nameless =
+      is_last ? inspection.columns.back() : inspection.columns.front();
+  constexpr double kNearlyAll = 0.95;
+  const bool counts = nameless.statistics.counting_share > kNearlyAll;
+  const bool is_clear = nameless.kind != CellKind::kNumber || nameless.statistics.step == 0.0 ||
+                        nameless.is_time || (!is_last && counts);
+  if (is_clear) return "";
+  return fmt::format(
+      "the header has {} names for {} columns, and the one without a name is unknown; name all",
+      inspection.columns.size() - 1, inspection.columns.size());
+}
+
+/// A sentence if the header has one name too many, and it is unknown which.
+std::string LongHeaderQuestion(const Inspection& inspection) {
+  const std::string& extra = inspection.layout.extra_name;
+  const bool is_clear = extra.empty() ||
+                        HasWordOf(WordsOf(extra), "comment comments remark note notes label") ||
+                        WordsOf(extra).empty() ||
+                        std::ranges::any_of(inspection.columns, [](const InspectedColumn& column) {
+                          return column.is_time && TimeScaleS(column.name).has_value();
+                        });
+  if (is_clear) return "";
+  return fmt::format(
+      "the header has {} names for {} columns, and the one without values is unknown; name each "
+      "column once",
+      inspection.columns.size() + 1, inspection.columns.size());
+}
+
+/// A sentence if the time is missing in many rows, or goes back in many.
+std::string TimeQuestion(const Inspection& inspection) {
+  if (!inspection.has_time) return "";
+  constexpr double kMost = 0.05;
+  const auto rows = static_cast<double>(inspection.rows);
+  const double missing = static_cast<double>(inspection.time.missing) / rows;
+  const double restarts = static_cast<double>(inspection.time.restarts) / rows;
+  if (missing > kMost) {
+    return fmt::format("the time is missing in {:.0f} % of the rows; keep those that have one",
+                       100.0 * missing);
+  }
+  if (restarts > kMost) {
+    return fmt::format("the time goes back in {:.0f} % of the rows; sort them by the time",
+                       100.0 * restarts);
+  }
+  return "";
+}
+
+/// A sentence if the lines above the table say another rate than the time, whose unit is a guess.
+std::string RateQuestion(const Inspection& inspection) {
+  constexpr double kFar = 1.5;
+  const double ratio = inspection.noted_rate_hz / inspection.time.rate_hz;
+  if (!inspection.has_time || inspection.noted_rate_hz == 0.0 ||
+      (ratio < kFar && ratio > 1.0 / kFar)) {
+    return "";
+  }
+  return fmt::format(
+      "the lines above the table say {:.5g} Hz, the time {:.5g} Hz; the unit of the time is "
+      "unknown",
+      inspection.noted_rate_hz, inspection.time.rate_hz);
+}
+
+/// A sentence if rows of several tables are below each other.
+std::string TablesQuestion(const Inspection& inspection) {
+  constexpr std::size_t kMostRows = 9;  // more are no lines above a table
+  constexpr std::size_t kFewRows = 2;
+  const TableLayout& layout = inspection.layout;
+  if (layout.rows_before > kMostRows ||
+      (layout.rows_before > kFewRows && kMostRows * layout.rows_before > inspection.rows)) {
+    return fmt::format(
+        "{} rows above the table have another number of columns; write each table to a file",
+        layout.rows_before);
+  }
+  if (layout.second_names_line == 0) return "";
+  return fmt::format("line {} names the columns anew, in another way; write each table to a file",
+                     layout.second_names_line);
+}
+
+/// A sentence if many rows have another number of values than there are columns.
+std::string RowsQuestion(const Inspection& inspection) {
+  constexpr double kMost = 0.05;
+  for (const auto& [problem, words] : {std::pair(RecordingProblem::kTruncatedRow, "fewer"),
+                                       std::pair(RecordingProblem::kRowTooLong, "more")}) {
+    const auto found = inspection.problems.find(std::string(NameOf(problem)));
+    if (found == inspection.problems.end()) continue;
+    const double share = static_cast<double>(found->second) / static_cast<double>(inspection.rows);
+    if (share <= kMost) continue;
+    return fmt::format(
+        "{:.0f} % of the rows have {} than {} values; write as many in each, empty ones where "
+        "there are none",
+        100.0 * share, words, inspection.columns.size());
+  }
+  return "";
+}
+
+/// Seconds in a cell of a column of times.
+double SecondsIn(const Inspection& inspection, std::size_t column, const std::string& cell) {
+  const InspectedColumn& is = inspection.columns[column];
+  if (is.kind != CellKind::kNumber) return SecondsOfText(cell).value_or(kNaN);
+  const double scale_s = is.is_time ? SecondsPer(is.time_unit) : TimeScaleS(is.name).value_or(1.0);
+  return scale_s * NumberIn(inspection.layout, cell);
+}
+
+/// A sentence if joints stand before and behind a second clock that is not the time: each then has
+/// a clock of its own.
+std::string OwnClocksQuestion(const Inspection& inspection) {
+  const std::vector<InspectedColumn>& columns = inspection.columns;
+  const std::vector<std::size_t> joints = inspection.MappedColumns();
+  const auto time = std::ranges::find_if(columns, &InspectedColumn::is_time);
+  if (std::ranges::count_if(columns, &InspectedColumn::is_time) != 1 || joints.empty()) {
+    return "";
+  }
+  const auto time_column = static_cast<std::size_t>(time - columns.begin());
+  for (std::size_t c = joints.front() + 1; c < joints.back(); ++c) {
+    const bool is_clock = columns[c].kind == CellKind::kTime ||
+                          HasWordOf(WordsOf(columns[c].name), "time timestamp clock");
+    if (columns[c].is_time || columns[c].is_sensor || columns[c].kind == CellKind::kText ||
+        !is_clock) {
+      continue;
+    }
+    constexpr double kOften = 0.05;
+    double apart = 0.0, farthest_s = 0.0;
+    for (const std::vector<std::string>& row : inspection.layout.rows) {
+      const double away_s = std::abs(SecondsIn(inspection, c, row[c]) -
+                                     SecondsIn(inspection, time_column, row[time_column]));
+      apart += away_s * inspection.time.rate_hz > 1.0 ? 1.0 : 0.0;
+      farthest_s = std::fmax(farthest_s, away_s);
+    }
+    if (apart <= kOften * static_cast<double>(inspection.layout.rows.size())) continue;
+    return fmt::format(
+        "columns {} and {} are clocks of different joints, up to {:.3g} s apart; keep one clock "
+        "and its joints, or name the time in a map",
+        time_column + 1, c + 1, farthest_s);
+  }
+  return "";
+}
+
+/// A question if the recording cannot be played as it is understood.
+Question StopQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
+                      bool has_map) {
+  constexpr double kSlowest_hz = 1.0;
+  constexpr double kFastest_hz = 1e4;
+  const double rate_hz = inspection.time.rate_hz;
+  if (rate_hz < kSlowest_hz || rate_hz > kFastest_hz) {
+    return {fmt::format(
+                "{:.4g} rows per second, must be from 1 to 10000: the unit of the time is another",
+                rate_hz),
+            Remedy::kMap};
+  }
+  if (inspection.MappedColumns().empty()) return {"no sensor of the hand changes its value"};
+  Question question = GroupQuestion(inspection, groups, has_map);
+  if (question.sentence.empty()) question = {TablesQuestion(inspection)};
+  if (question.sentence.empty()) question = {RowsQuestion(inspection)};
+  if (question.sentence.empty()) question = {TimeQuestion(inspection)};
+  if (has_map) return question;
+  if (question.sentence.empty()) question = {RateQuestion(inspection), Remedy::kMap};
+  if (question.sentence.empty()) question = {HeaderQuestion(inspection)};
+  if (question.sentence.empty()) question = {LongHeaderQuestion(inspection)};
+  if (question.sentence.empty()) question = {OwnClocksQuestion(inspection), Remedy::kMap};
+  if (question.sentence.empty()) question = {FallingTimeQuestion(inspection)};
+  if (question.sentence.empty()) question = {TextTimeQuestion(inspection)};
+  if (question.sentence.empty()) question = {ClockQuestion(inspection), Remedy::kMap};
+  if (question.sentence.empty()) question = {RangeQuestion(inspection), Remedy::kPresetOrMap};
+  return question;
+}
+
+void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
+  inspection.picture_time_s = statistics.kept_times_s();
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    inspection.picture_values.push_back(inspection.columns[c].kind == CellKind::kNumber
+                                            ? statistics.KeptValues(c)
+                                            : std::vector<double>());
+  }
+  if (inspection.has_time) return;
+  const double period_s = static_cast<double>(statistics.kept_every()) / inspection.time.rate_hz;
+  for (std::size_t i = 0; i < inspection.picture_time_s.size(); ++i) {
+    inspection.picture_time_s[i] = static_cast<double>(i) * period_s;
+  }
+}
+
+void FindJoints(const TableStatistics& statistics, const std::vector<RowGroups>& groups,
+                const InspectionOptions& options, const std::optional<ColumnMap>& map,
+                Inspection& inspection) {
+  const std::vector<ColumnEvidence> evidence = EvidenceOf(inspection, statistics);
+  try {
+    const std::vector<ColumnFamily> families =
+        options.columns ? GivenFamily(evidence, options.columns->first, options.columns->second)
+                        : FindFamilies(evidence, inspection.has_time ? statistics.kept_times_s()
+                                                                     : std::vector<double>());
+    TakeJoints(families, ChooseJoints(families, inspection.layout.names, options.joints, map),
+               inspection);
+  } catch (const UserError& error) {
+    if (!error.place().empty()) throw;
+    throw UserError({.place = inspection.file, .problem = error.what()});
+  }
+  UnwrapTurns(inspection);
+  GuessSign(inspection);
+  if (inspection.question.empty()) {
+    const Question stop = StopQuestion(inspection, groups, map.has_value());
+    inspection.question = stop.sentence;
+    inspection.remedy = stop.remedy;
+  }
+}
+
+}  // namespace
+
+std::vector<std::size_t> Inspection::MappedColumns() const {
+  std::vector<std::size_t> mapped;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (!columns[c].channel.empty() && !columns[c].is_dead) mapped.push_back(c);
+  }
+  return mapped;
+}
+
+std::vector<std::size_t> Inspection::Sensors() const {
+  std::vector<std::size_t> sensors;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c].is_sensor) sensors.push_back(c);
+  }
+  return sensors;
+}
+
+Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& options) {
+  Inspection inspection;
+  inspection.file = file.string();
+  inspection.format = FormatOfFile(file);
+  inspection.file_bytes = RecordingBytes(file);
+  inspection.array = options.array;
+  inspection.arrays = ArraysIn(file, options.array);
+  inspection.topics = TopicsIn(file, options.array);
+  if (!inspection.topics.empty() &&
+      std::ranges::none_of(inspection.topics, &ListedTopic::is_taken)) {
+    inspection.question = QuestionOf(inspection.topics);
+    return inspection;
+  }
+  const auto is_whole = std::make_shared<bool>(true);
+  auto [layout, reader] =
+      FindTable(file.string(), BeginningOf(TableSource(file, options.array), is_whole),
+                ProblemHandling::kRepair, [&inspection](RecordingProblem problem, std::size_t) {
+                  ++inspection.problems[std::string(NameOf(problem))];
+                });
+  inspection.layout = std::move(layout);
+  inspection.columns.resize(inspection.layout.columns);
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    inspection.columns[c].name = inspection.layout.names[c];
+    inspection.columns[c].kind = KindOf(inspection.layout, c);
+  }
+  const std::optional<ColumnMap> map = MapOf(inspection, options.map);
+  const TimeGuess time = map ? TimeOfMap(map->time) : GuessTime(inspection.layout);
+  std::vector<RowGroups> groups = GroupsToWatch(inspection);
+  const TableStatistics statistics = ReadTable(time, inspection.columns, reader, groups);
+  inspection.is_whole = *is_whole;
+  inspection.remarks = reader.remarks();
+  inspection.rows = statistics.rows();
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    if (inspection.columns[c].kind == CellKind::kNumber) {
+      inspection.columns[c].statistics = statistics.Column(c);
+    }
+  }
+  const double noted_rate_hz = RateInNotes(inspection.layout.notes);
+  TakeTime(time, statistics.Time(), options.rate_hz > 0.0 ? options.rate_hz : noted_rate_hz,
+           inspection);
+  if (time.unit_is_guessed) inspection.noted_rate_hz = noted_rate_hz;
+  KeepPicture(statistics, inspection);
+  FindJoints(statistics, groups, options, map, inspection);
+  TakeEnvelopes(file, options.array, time, inspection);
+  return inspection;
+}
+
+}  // namespace gauntlet::sim

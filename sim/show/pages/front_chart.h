@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/show/pages/cells_chart.h"
+
+namespace gauntlet::sim {
+
+/// Jitter against delay; the line joins what nothing is better than in both.
+std::string FrontSvg(const std::vector<ChartPoint>& points);
+
+/// What one kind of filter can do: its settings with nothing of the same kind better in both.
+struct FrontSeries {
+  struct Place {
+    double delay_ms = 0.0;
+    double jitter_deg = 0.0;
+    std::size_t point = kNoPoint;
+  };
+  std::string name;
+  std::vector<Place> front;     // by delay
+  std::optional<Place> answer;  // within the bounds
+};
+
+/// The fronts of many kinds in one drawing, in the order of its legend, each answer as a ring. The
+/// bounds are drawn as lines where they are numbers.
+std::string FrontsSvg(const std::vector<FrontSeries>& series, double most_delay_ms,
+                      double most_jitter_deg);
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,50 @@
+#include "sim/show/pages/study_folder_files.h"
+
+#include <optional>
+
+#include "sim/answers/compare/decisive_second.h"
+#include "sim/base/output_file.h"
+#include "sim/show/pages/report_page.h"
+#include "sim/show/video/comparison_video.h"
+#include "sim/show/video/score_board.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// What a video of the finished study shows, drawn now or later by `gauntlet render`.
+VideoBeside VideoOfPage(const FinishedStudy& finished, bool is_drawn) {
+  VideoBeside video{.exists = is_drawn};
+  std::optional<Excerpt> again;
+  if (const auto second = DecisiveSecondOf(finished)) again = SlowMotionOf(*second);
+  for (const VideoStretch& stretch : StretchesOf(
+           !finished.study.scenario.question.empty(), finished.result.first_glove->tick_rate_hz,
+           finished.result.first_reference_rad.rows(), finished.study.scenario.video.frames_per_s,
+           again)) {
+    video.stretches.push_back({stretch.video_s, stretch.from_s, stretch.to_s, stretch.speed});
+  }
+  return video;
+}
+
+}  // namespace
+
+OutputFiles FilesOfStudy(const std::filesystem::path& folder) {
+  return OutputFiles({.folder = folder,
+                      .command = "run or compare",
+                      .results = {"report.html", "scores.json", "scores.csv", "trace.h5",
+                                  "scenario.resolved.yaml"}});
+}
+
+std::string StudyPage(const FinishedStudy& finished, bool has_video) {
+  return ReportPage(finished, VideoOfPage(finished, has_video));
+}
+
+void WriteStudyFolder(const FinishedStudy& finished, const TraceFormats& formats, bool has_video,
+                      OutputFiles& files) {
+  files.Write([&](const std::filesystem::path& place) {
+    WriteStudyFiles(place, finished, formats);
+    WriteOutputFile(place / "report.html", StudyPage(finished, has_video));
+  });
+  files.Commit();
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include "sim/show/video/painter.h"
+
+namespace gauntlet::sim {
+
+inline constexpr int kMaxPanes = 8;
+
+/// Errors: UserError for a number of controllers that a video cannot show side by side.
+void CheckPaneCount(int pane_count);
+
+/// Where the parts of one pane lie. All edges are whole pixels.
+struct PaneLayout {
+  Rect card{};
+  Rect title{};
+  Rect view{};      // the hand
+  Rect tracking{};  // the running numbers
+  Rect jitter{};
+  // The plots' areas, without their labels.
+  Rect error{};
+  Rect jitter_curve{};  // no height where only the error has room
+};
+
+struct VideoLayout {
+  double unit = 1.0;  // pixels of one pixel in the design of 1280 x 720
+  Rect header;
+  Rect progress;
+  std::vector<PaneLayout> panes;
+};
+
+/// Panes in one row, the hand above each number with its curve; from five on in two rows, the hand
+/// beside them, because curves would become too low. All panes have the same size. Errors:
+/// UserError for a size or a number of panes that cannot be laid out.
+VideoLayout LayOutVideo(int width_px, int height_px, int pane_count);
+
+/// For two hands in one picture: one pane, these beside their numbers and curves. Errors: as
+/// above.
+VideoLayout LayOutOverlay(int width_px, int height_px);
+
+}  // namespace gauntlet::sim

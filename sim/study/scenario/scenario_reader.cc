@@ -1,0 +1,237 @@
+#include "sim/study/scenario/scenario_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <map>
+#include <variant>
+
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/base/text.h"
+#include "sim/glove/glove.h"
+#include "sim/score/priority.h"
+#include "sim/settings/yaml_reader.h"
+#include "sim/settings/yaml_tree.h"
+#include "sim/study/scenario/controller_defaults.h"
+#include "sim/study/scenario/included_controllers.h"
+#include "sim/trial/external/own_objects.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// Names become those of folders and files, also where case makes no difference.
+void CheckNames(const YamlNode& root, const YamlSource& source, const Scenario& scenario) {
+  if (const std::string problem = NameProblem(scenario.name); !problem.empty()) {
+    const YamlNode& given = ChildOf(root, "name");
+    if (given.IsDefined()) throw source.At(given, controller::SettingError("name", problem));
+    throw UserError({.place = source.file.string(),
+                     .key = "name",
+                     .problem = fmt::format(
+                         "must be given, as the file's name cannot be one: it {}", problem)});
+  }
+  std::map<std::string, std::string> seen;  // in small letters -> as given
+  for (const NamedController& named : scenario.controllers) {
+    std::string small = named.name;
+    std::ranges::transform(small, small.begin(), [](unsigned char c) { return std::tolower(c); });
+    const auto [other, is_new] = seen.insert({small, named.name});
+    if (is_new) continue;
+    throw source.At(
+        NodeAt(root, "controllers." + named.name),
+        controller::SettingError(
+            "controllers." + named.name,
+            fmt::format("differs from {} by case only, which not all file systems tell apart",
+                        other->second)));
+  }
+}
+
+void CheckBaseline(const YamlNode& root, const YamlSource& source, const Scenario& scenario) {
+  if (scenario.baseline.empty()) return;
+  std::vector<std::string> names;
+  for (const NamedController& named : scenario.controllers) names.push_back(named.name);
+  if (std::ranges::find(names, scenario.baseline) != names.end()) return;
+  throw UserError({.place = source.PlaceOf(ChildOf(root, "baseline"), "baseline"),
+                   .key = "baseline",
+                   .problem = Shown(scenario.baseline) + " is not a controller of the scenario" +
+                              Suggestion(scenario.baseline, names)});
+}
+
+void CheckPriority(const YamlNode& root, const YamlSource& source, const Scenario& scenario) {
+  try {
+    ParsePriority(scenario.priority);
+  } catch (const controller::SettingError& error) {
+    throw source.At(ChildOf(root, "priority"), error);
+  }
+}
+
+void CheckVideoSize(const YamlNode& root, const YamlSource& source, const VideoConfig& video) {
+  for (const auto& [key, side_px] :
+       {std::pair{"width_px", video.width_px}, std::pair{"height_px", video.height_px}}) {
+    if (side_px % 2 == 0) continue;
+    throw source.At(ChildOf(ChildOf(root, "video"), key),
+                    controller::SettingError(std::string("video.") + key,
+                                             fmt::format("is {}, must be even", side_px)));
+  }
+}
+
+/// Keys of a file replace values of a preset, so a preset from --set would change nothing there.
+void CheckPresets(const YamlNode& root, const YamlSource& source) {
+  for (const char* const link : {"link.glove", "link.hand"}) {
+    const std::string preset = std::string(link) + ".preset";
+    const YamlNode& node = NodeAt(root, link);
+    if (source.OverrideOf(preset) == nullptr || !node.IsMap()) continue;
+    for (const auto& entry : node.entries()) {
+      const std::string& key = entry.first.text();
+      if (key == "preset" || key == "receiver" || key == "watchdog") continue;
+      const bool is_of_file = entry.first.place().is_known();
+      if (!is_of_file || source.OverrideOf(std::string(link) + "." + key) != nullptr) continue;
+      throw UserError({.place = source.PlaceOf(ChildOf(node, "preset"), preset),
+                       .key = preset,
+                       .problem = "has no effect on " + key +
+                                  ", which the file sets; set that, too, or leave it out there"});
+    }
+  }
+}
+
+/// A program runs in the folder of the file that names it; one of --set, in the current one.
+void PlacePrograms(const YamlSource& source, Scenario& scenario) {
+  for (NamedController& named : scenario.controllers) {
+    for (std::size_t i = 0; i < named.config.filters.size(); ++i) {
+      auto* external = std::get_if<controller::ExternalConfig>(&named.config.filters[i].settings);
+      if (external == nullptr || NamesObject(*external) || !external->folder.empty()) continue;
+      const std::string filter = fmt::format("controllers.{}.filter", named.name);
+      const bool is_set =
+          std::ranges::any_of(std::array{".command", ".library"}, [&](const char* key) {
+            return source.OverrideOf(filter + key) != nullptr ||
+                   source.OverrideOf(fmt::format("{}[{}]{}", filter, i, key)) != nullptr;
+          });
+      const std::filesystem::path folder =
+          is_set ? std::filesystem::path() : source.FileOf(filter).parent_path();
+      external->folder = (std::filesystem::current_path() / folder).lexically_normal();
+    }
+  }
+}
+
+using RepeatedSettings = std::vector<RepeatedSetting>;
+using Overrides = std::vector<std::string>;
+
+/// The text, the values of one repetition, then what --set puts over both: single values, then
+/// those of lists.
+YamlSource TreeOf(const ScenarioText& text, const Overrides& overrides,
+                  const RepeatedSettings& lists, std::size_t repetition, YamlNode& root) {
+  root = text.root;
+  YamlSource source = text.source;
+  PutRepetition(lists, repetition, ListsFrom::kFile, root, source);
+  for (const std::string& override : overrides) ApplyOverride(root, override, source);
+  PutRepetition(lists, repetition, ListsFrom::kSet, root, source);
+  return source;
+}
+
+/// The tree of the first repetition, and what the others have in place of it.
+RepeatedSettings FirstTreeOf(const ScenarioText& text, const Overrides& overrides, YamlNode& root,
+                             YamlSource& source) {
+  source = TreeOf(text, overrides, {}, 0, root);
+  RepeatedSettings lists = ReadRepetitions(root, source);
+  if (!lists.empty()) source = TreeOf(text, overrides, lists, 0, root);
+  return lists;
+}
+
+/// What the tree of one repetition says.
+Scenario ReadScenario(const RepeatedSettings& lists, std::size_t repetition, YamlNode& root,
+                      const YamlSource& source) {
+  RemoveRepetitions(root);
+  Scenario scenario;
+  scenario.name = source.file.stem().string();
+  try {
+    ReadAll(root, source, scenario);
+  } catch (const UserError& error) {
+    const auto list = std::ranges::find(lists, error.key(), &RepeatedSetting::key);
+    if (list == lists.end()) throw;
+    throw source.At(list->values[repetition],
+                    controller::SettingError(error.key(), error.problem()));
+  }
+  TakeCalibrationOfMap(scenario.glove);
+  return scenario;
+}
+
+/// The seed before --set goes over it.
+int SeedIn(const ScenarioText& text) {
+  struct Seed {
+    int value = Scenario{}.seed;
+    void Visit(controller::SettingsVisitor& visitor) { visitor.Integer({"seed", ""}, value); }
+  } seed;
+  const YamlNode& node = ChildOf(text.root, "seed");
+  if (node.IsDefined()) {
+    ReadAll(YamlNode::Map({{YamlNode::Scalar("seed"), node}}), text.source, seed);
+  }
+  return seed.value;
+}
+
+/// The gloves of all repetitions; `scenario` is of the first. They begin with the one that the
+/// scenario's seed has in the file.
+Repetitions AllRepetitions(const ScenarioText& text, const Overrides& overrides,
+                           const RepeatedSettings& lists, const YamlSource& source,
+                           const Scenario& scenario) {
+  Repetitions repetitions;
+  if (lists.empty()) return repetitions;
+  for (const RepeatedSetting& list : lists) repetitions.keys.push_back(list.key);
+  repetitions.gloves.push_back(scenario.glove);
+  for (std::size_t i = 1; i < lists.front().values.size(); ++i) {
+    YamlNode root;
+    const YamlSource of_this = TreeOf(text, overrides, lists, i, root);
+    TakeAutoHorizons(root);
+    repetitions.gloves.push_back(ReadScenario(lists, i, root, of_this).glove);
+  }
+  CheckRepetitions(lists, repetitions, source);
+  repetitions.Rotate(scenario.seed - SeedIn(text));
+  return repetitions;
+}
+
+}  // namespace
+
+ScenarioText ParseScenarioText(const std::filesystem::path& file, std::string_view text) {
+  ScenarioText parsed{.root = ParseYaml(file, text, YamlIncludes::kAllowed),
+                      .source = {.file = file}};
+  IncludeControllers(parsed.root, parsed.source);
+  return parsed;
+}
+
+Scenario ParseScenario(const ScenarioText& text, const std::vector<std::string>& overrides) {
+  YamlNode root;
+  YamlSource source;
+  const RepeatedSettings lists = FirstTreeOf(text, overrides, root, source);
+  const std::vector<AutoHorizon> auto_horizons = TakeAutoHorizons(root);
+  Scenario scenario = ReadScenario(lists, 0, root, source);
+  CheckNames(root, source, scenario);
+  FillControllers(root, source, auto_horizons, scenario);
+  PlacePrograms(source, scenario);
+  CheckBaseline(root, source, scenario);
+  CheckPriority(root, source, scenario);
+  CheckVideoSize(root, source, scenario.video);
+  CheckPresets(root, source);
+  scenario.repetitions = AllRepetitions(text, overrides, lists, source, scenario);
+  scenario.glove = GloveOf(scenario, scenario.seed);
+  return scenario;
+}
+
+Scenario ParseScenario(const ScenarioSource& source) {
+  return ParseScenario(ParseScenarioText(source.file, source.text), source.overrides);
+}
+
+std::string PlaceOfSetting(const ScenarioSource& text, const std::string& key) {
+  YamlNode root;
+  YamlSource source;
+  FirstTreeOf(ParseScenarioText(text.file, text.text), text.overrides, root, source);
+  const YamlNode& node = NodeAt(root, key);
+  if (source.OverrideOf(key) == nullptr && node.Is(root)) return text.file.string();
+  return source.PlaceOf(node, key);
+}
+
+Scenario LoadScenario(const std::filesystem::path& file,
+                      const std::vector<std::string>& overrides) {
+  return ParseScenario({.file = file, .text = ReadYamlText(file), .overrides = overrides});
+}
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,310 @@
+#include "sim/tables/array_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <iterator>
+#include <map>
+#include <optional>
+
+#include "sim/base/error.h"
+#include "sim/base/text.h"
+#include "sim/tables/time_columns.h"
+
+namespace gauntlet::sim {
+namespace {
+
+/// Far more columns than any glove has sensors.
+bool LiesOnItsSide(const NamedArray& array) {
+  constexpr std::size_t kMostSensors = 64;
+  return array.rows <= kMostSensors && array.columns > 2 * array.rows &&
+         (array.rows == 1 || array.columns > kMostSensors);
+}
+
+void Turn(NamedArray& array) {
+  std::vector<double> turned(array.values.size());
+  for (std::size_t row = 0; row < array.rows; ++row) {
+    for (std::size_t column = 0; column < array.columns; ++column) {
+      turned[column * array.rows + row] = array.values[row * array.columns + column];
+    }
+  }
+  array.values = std::move(turned);
+  std::swap(array.rows, array.columns);
+}
+
+bool IsRate(std::string_view name) {
+  const std::string bare = BareName(name);
+  constexpr std::array<std::string_view, 6> kEnds = {"rate",       "ratehz",       "fsample",
+                                                     "samplefreq", "samplingfreq", "frequency"};
+  return bare == "fs" || bare == "fps" ||
+         std::ranges::any_of(kEnds, [&](std::string_view end) { return bare.ends_with(end); });
+}
+
+/// Hz of a duration between rows, in s or ms; 0 if either may be meant.
+double RateOfPeriod(double period) {
+  constexpr double kLongest_s = 0.1;
+  if (period > 0.0 && period <= kLongest_s) return 1.0 / period;
+  return period >= 1.0 && period <= 1e3 ? 1e3 / period : 0.0;
+}
+
+bool IsPeriod(std::string_view name) {
+  const std::string bare = BareName(name);
+  constexpr std::array<std::string_view, 5> kEnds = {
+      "frameduration", "sampleperiod", "samplingperiod", "sampletime", "samplinginterval"};
+  return std::ranges::any_of(kEnds, [&](std::string_view end) { return bare.ends_with(end); });
+}
+
+/// Fit for a line of names: no separators, no quotes.
+std::string Plain(std::string name) {
+  std::ranges::replace_if(
+      name, [](unsigned char letter) { return std::isalnum(letter) == 0 && letter != '_'; }, '_');
+  return name;
+}
+
+std::vector<std::string> NamesOf(const NamedArray& array) {
+  std::vector<std::string> names;
+  for (std::size_t column = 0; column < array.columns; ++column) {
+    if (column < array.column_names.size()) {
+      names.push_back(Plain(array.column_names[column]));
+    } else {
+      names.push_back(array.columns == 1 ? Plain(array.name)
+                                         : fmt::format("{}_{}", Plain(array.name), column + 1));
+    }
+  }
+  return names;
+}
+
+/// Rows once it does not lie on its side.
+std::size_t RowsOf(const NamedArray& array) {
+  return LiesOnItsSide(array) ? array.columns : array.rows;
+}
+
+/// What stands before the last word of a name: `glove_` of `glove_angles`.
+std::string GroupOf(const std::string& name) {
+  const std::size_t cut = name.rfind('_');
+  return cut == std::string::npos ? "" : name.substr(0, cut + 1);
+}
+
+/// The group of a time, `glove_` of `glove_time_s`; nothing of what is none.
+std::optional<std::string> GroupOfTime(const NamedArray& array) {
+  if (array.values.size() != RowsOf(array)) return std::nullopt;
+  const std::string name = Plain(array.name);
+  for (std::size_t begin = 0; begin < name.size(); ++begin) {
+    if (begin > 0 && name[begin - 1] != '_') continue;
+    if (TimeScaleS(name.substr(begin))) return name.substr(0, begin);
+  }
+  return std::nullopt;
+}
+
+/// Marks what `chosen` names.
+void MarkChosen(const std::vector<NamedArray>& arrays, std::string_view chosen,
+                std::vector<ListedArray>& listed) {
+  const std::string wanted = Plain(std::string(chosen));
+  const auto mark = [&](const auto& is_wanted) {
+    bool any = false;
+    for (std::size_t i = 0; i < arrays.size(); ++i) {
+      listed[i].is_taken = is_wanted(Plain(arrays[i].name));
+      any = any || listed[i].is_taken;
+    }
+    return any;
+  };
+  if (mark([&](const std::string& name) { return name == wanted; })) return;
+  if (mark([&](const std::string& name) { return name.starts_with(wanted + "_"); })) return;
+  throw UserError(fmt::format("holds no array {}, but {}", Shown(chosen), TextOf(listed)));
+}
+
+/// Leaves marked what has the number of rows that holds the most values; gives that number.
+std::size_t KeepMostRows(const std::vector<NamedArray>& arrays, std::vector<ListedArray>& listed) {
+  std::map<std::size_t, std::size_t> values_of_rows;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (!listed[i].is_taken || RowsOf(arrays[i]) < 2) continue;
+    values_of_rows[RowsOf(arrays[i])] += arrays[i].values.size();
+  }
+  const auto most =
+      std::ranges::max_element(values_of_rows, {}, [](const auto& entry) { return entry.second; });
+  if (most == values_of_rows.end()) throw UserError("holds no array of numbers with two rows");
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    listed[i].is_taken = listed[i].is_taken && RowsOf(arrays[i]) == most->first;
+  }
+  return most->first;
+}
+
+/// Marks times with so many rows, unless a time is marked already: those of the group of what is
+/// marked, or else the first.
+void AddTimes(const std::vector<NamedArray>& arrays, std::size_t rows,
+              std::vector<ListedArray>& listed) {
+  std::string group;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (!listed[i].is_taken) continue;
+    if (GroupOfTime(arrays[i])) return;
+    group = GroupOf(Plain(arrays[i].name));
+  }
+  std::vector<std::size_t> times;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (GroupOfTime(arrays[i]) && RowsOf(arrays[i]) == rows) times.push_back(i);
+  }
+  const auto is_of_group = [&](std::size_t i) { return GroupOfTime(arrays[i]) == group; };
+  const bool has_own = std::ranges::any_of(times, is_of_group);
+  if (!has_own && times.size() > 1) times.erase(times.begin() + 1, times.end());
+  for (const std::size_t i : times) listed[i].is_taken = !has_own || is_of_group(i);
+}
+
+/// Errors: UserError if several cells of one cell array are marked.
+void CheckCells(const std::vector<NamedArray>& arrays, const std::vector<ListedArray>& listed) {
+  std::map<std::string, std::vector<ListedArray>> cells;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (listed[i].is_taken && !arrays[i].cells_of.empty()) {
+      cells[arrays[i].cells_of].push_back(listed[i]);
+    }
+  }
+  for (const auto& [name, of] : cells) {
+    if (of.size() < 2) continue;
+    throw UserError(fmt::format("has {} cells in {}: {}; --array NAME takes one", of.size(),
+                                OneLine(name, 60), TextOf(of)));
+  }
+}
+
+/// Without the group that was chosen, or the group of a time.
+std::string NameInTable(const NamedArray& array, std::string_view chosen) {
+  const std::string name = Plain(array.name);
+  const std::string group = Plain(std::string(chosen)) + "_";
+  if (name.starts_with(group)) return name.substr(group.size());
+  return name.substr(GroupOfTime(array).value_or("").size());
+}
+
+/// The arrays of the table, upright and with their names in it.
+std::vector<NamedArray> Taken(std::vector<NamedArray> arrays, std::string_view chosen) {
+  const std::vector<ListedArray> listed = ListArrays(arrays, chosen);
+  std::vector<NamedArray> taken;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (!listed[i].is_taken) continue;
+    if (LiesOnItsSide(arrays[i])) Turn(arrays[i]);
+    if (!chosen.empty()) arrays[i].name = NameInTable(arrays[i], chosen);
+    taken.push_back(std::move(arrays[i]));
+  }
+  return taken;
+}
+
+/// The last lone number that is a rate, else a period; 0 if there is none.
+double RateIn(const std::vector<NamedArray>& arrays) {
+  double rate_hz = 0.0;
+  for (const NamedArray& array : arrays) {
+    if (array.values.size() != 1) continue;
+    if (IsPeriod(array.name) && rate_hz == 0.0) rate_hz = RateOfPeriod(array.values.front());
+    if (IsRate(array.name)) rate_hz = array.values.front();
+  }
+  return rate_hz;
+}
+
+/// True for numbers of sensors that texts of this name may be about: of its group, and no time.
+bool IsAbout(const NamedArray& texts, const NamedArray& array) {
+  return array.texts.empty() && array.values.size() > RowsOf(array) && RowsOf(array) > 1 &&
+         array.name.starts_with(GroupOf(texts.name));
+}
+
+std::size_t SensorsOf(const NamedArray& array) {
+  return LiesOnItsSide(array) ? array.rows : array.columns;
+}
+
+/// `deg` or `rad` for a text that is such a unit.
+std::string UnitIn(const NamedArray& texts) {
+  const std::string bare = BareName(texts.name);
+  if (texts.texts.size() != 1 || (!bare.ends_with("unit") && !bare.ends_with("units"))) return "";
+  const std::string unit = BareName(texts.texts.front());
+  if (unit == "rad" || unit == "radian" || unit == "radians") return "rad";
+  return unit == "deg" || unit == "degree" || unit == "degrees" ? "deg" : "";
+}
+
+}  // namespace
+
+std::vector<NamedArray> WithFacts(std::vector<NamedArray> arrays) {
+  const auto is_texts = [](const NamedArray& array) { return !array.texts.empty(); };
+  for (const NamedArray& texts : arrays) {
+    const std::string bare = BareName(texts.name);
+    if (texts.texts.size() < 2 || !(bare.ends_with("names") || bare.ends_with("labels"))) continue;
+    const auto is_named = [&](const NamedArray& array) {
+      return IsAbout(texts, array) && SensorsOf(array) == texts.texts.size();
+    };
+    const bool is_one = std::ranges::count_if(arrays, is_named) == 1;
+    for (NamedArray& array : arrays) {
+      if (!is_named(array) || !array.column_names.empty()) continue;
+      for (const std::string& text : texts.texts) {
+        array.column_names.push_back(is_one ? text : array.name + "_" + text);
+      }
+    }
+  }
+  for (const NamedArray& texts : arrays) {
+    const std::string unit = UnitIn(texts);
+    for (NamedArray& array : arrays) {
+      if (unit.empty() || !IsAbout(texts, array)) continue;
+      for (std::size_t i = array.column_names.size(); i < SensorsOf(array); ++i) {
+        array.column_names.push_back(fmt::format("{}_{}", Plain(array.name), i + 1));
+      }
+      for (std::string& name : array.column_names) name += "_" + unit;
+    }
+  }
+  std::erase_if(arrays, is_texts);
+  return arrays;
+}
+
+std::string TextOf(const std::vector<ListedArray>& arrays) {
+  constexpr std::size_t kMost = 20;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(arrays.size(), kMost); ++i) {
+    text += fmt::format("{}{} ({} x {})", i == 0 ? "" : ", ", OneLine(arrays[i].name, 60),
+                        arrays[i].rows, arrays[i].columns);
+  }
+  if (arrays.size() > kMost) text += fmt::format(" and {} more", arrays.size() - kMost);
+  return text;
+}
+
+std::vector<ListedArray> ListArrays(const std::vector<NamedArray>& arrays,
+                                    std::string_view chosen) {
+  std::vector<ListedArray> listed;
+  for (const NamedArray& array : arrays) {
+    listed.push_back(
+        {.name = array.name, .rows = array.rows, .columns = array.columns, .is_taken = true});
+  }
+  if (!chosen.empty()) MarkChosen(arrays, chosen, listed);
+  const std::size_t rows = KeepMostRows(arrays, listed);
+  CheckCells(arrays, listed);
+  if (!chosen.empty()) AddTimes(arrays, rows, listed);
+  return listed;
+}
+
+void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen,
+                const std::function<void(std::string_view)>& write) {
+  const double rate_hz = RateIn(arrays);
+  arrays = Taken(std::move(arrays), chosen);
+  const std::size_t rows = arrays.front().rows;
+
+  std::vector<std::string> names;
+  for (const NamedArray& array : arrays)
+    std::ranges::copy(NamesOf(array), std::back_inserter(names));
+  const bool has_time = std::ranges::any_of(
+      names, [](const std::string& name) { return TimeScaleS(name).has_value(); });
+  const bool adds_time = rate_hz > 0.0 && !has_time;
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  if (adds_time) names.insert(names.begin(), "time_s");
+  fmt::format_to(out, "{}\n", fmt::join(names, ","));
+  for (std::size_t row = 0; row < rows; ++row) {
+    if (adds_time) fmt::format_to(out, "{},", static_cast<double>(row) / rate_hz);
+    for (std::size_t a = 0; a < arrays.size(); ++a) {
+      const NamedArray& array = arrays[a];
+      for (std::size_t column = 0; column < array.columns; ++column) {
+        if (a + column > 0) text.push_back(',');
+        fmt::format_to(out, "{}", array.values[row * array.columns + column]);
+      }
+    }
+    text.push_back('\n');
+    constexpr std::size_t kBlockBytes = std::size_t{1} << 16;
+    if (text.size() < kBlockBytes && row + 1 < rows) continue;
+    write({text.data(), text.size()});
+    text.clear();
+  }
+}
+
+}  // namespace gauntlet::sim

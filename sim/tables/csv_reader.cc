@@ -1,0 +1,276 @@
+#include "sim/tables/csv_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include "controller/number.h"
+#include "sim/base/csv_line.h"
+#include "sim/base/error.h"
+#include "sim/base/input_file.h"
+#include "sim/base/text.h"
+#include "sim/tables/missing.h"
+#include "sim/tables/time_columns.h"
+#include "sim/tables/time_text.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr std::string_view kRemarkMark = "#gauntlet: ";
+
+/// True for two rows with texts and numbers in the same cells, at least one number: the upper one
+/// names no columns.
+bool HaveNumbersInTheSameCells(std::string_view upper, std::string_view lower, char separator) {
+  const std::vector<std::string_view> above = SplitCells(upper, separator);
+  const std::vector<std::string_view> below = SplitCells(lower, separator);
+  const auto is_number = [separator](std::string_view cell) {
+    return !Trimmed(cell).empty() && IsValue(cell, separator);
+  };
+  return std::ranges::any_of(above, is_number) &&
+         std::ranges::equal(above, below, {}, is_number, is_number);
+}
+
+}  // namespace
+
+std::string RemarkLine(std::string_view remark) {
+  return fmt::format("{}{}\n", kRemarkMark, OneLine(remark));
+}
+
+CsvReader::CsvReader(std::string name, Source source, ProblemHandling handling, Listener listener,
+                     int skipped_lines)
+    : lines_(std::move(name), std::move(source)),
+      handling_(handling),
+      listener_(std::move(listener)) {
+  lines_.Skip(skipped_lines);
+  ReadFirstLine();
+}
+
+void CsvReader::Fail(std::size_t column, const std::string& problem) const {
+  FailInRow(row_, column, problem);
+}
+
+void CsvReader::FailInRow(std::size_t row, std::size_t column, const std::string& problem) const {
+  throw UserError({.place = fmt::format("{}:{}:{}", name(), std::max<std::size_t>(row, 1), column),
+                   .problem = problem});
+}
+
+void CsvReader::Problem(RecordingProblem problem, std::size_t column, const std::string& message) {
+  if (!GoesOn(handling_)) Fail(column, message);
+  if (listener_) listener_(problem, row_);
+}
+
+std::string CsvReader::Quoted(std::string_view cell) const {
+  constexpr std::size_t kLongest = 30;
+  const bool has_letters =
+      std::ranges::any_of(cell, [](unsigned char c) { return std::isalpha(c) != 0 || c >= 0x80; });
+  const bool is_shown = !has_letters || (column_count_ > 1 && LooksLikeKey(Unquoted(cell)));
+  return fmt::format("'{}'", is_shown ? OneLine(cell, kLongest) : "...");
+}
+
+/// The next one that is neither blank nor a comment.
+bool CsvReader::NextLine(std::string_view& line) {
+  while (lines_.Next(line)) {
+    row_ = lines_.number();
+    const std::string_view text = Trimmed(line);
+    if (!text.empty() && text[0] != '#') return true;
+    if (text.starts_with(kRemarkMark)) remarks_.emplace_back(text.substr(kRemarkMark.size()));
+  }
+  return false;
+}
+
+void CsvReader::ReadFirstLine() {
+  std::string_view line;
+  if (!NextLine(line)) FailInRow(1, 1, "the file holds no data");
+  separator_ = SeparatorOf(line);
+  const std::string first(line);
+  const std::vector<std::string_view> cells = SplitCells(first, separator_);
+  column_count_ = cells.size();
+  const std::size_t first_line = row_;
+  bool is_row = std::ranges::all_of(cells, [this](auto cell) { return IsValue(cell, separator_); });
+  if (!is_row && NextLine(line)) {
+    is_row = HaveNumbersInTheSameCells(first, line, separator_);
+    lines_.GiveBack({{std::string(line), row_}});
+  }
+  row_ = first_line;
+  if (is_row) {
+    first_row_line_ = row_;
+    lines_.GiveBack({{first, row_}});
+  } else {
+    for (const std::string_view cell : cells) header_.emplace_back(Unquoted(cell));
+    ReadFirstRowOfData();
+  }
+  meanings_.assign(column_count_, Meaning::kNumber);
+}
+
+void CsvReader::ReadFirstRowOfData() {
+  const std::size_t header_line = row_;
+  std::string_view line;
+  if (!NextLine(line)) return;
+  first_row_line_ = row_;
+  row_ = header_line;  // where the reader stands, for messages, until the first row is asked for
+  const std::vector<std::string_view> cells = SplitCells(line, separator_);
+  const std::size_t given = cells.size();
+  const bool is_short = given == header_.size() + 1 && !Trimmed(cells.back()).empty();
+  lines_.GiveBack({{std::string(line), first_row_line_}});
+  if (!is_short) return;
+  Problem(RecordingProblem::kShortHeader, header_.size(),
+          fmt::format("the header has {} names for {} values", header_.size(), given));
+  const bool time_is_first = TimeScaleS(header_.front()).has_value();
+  header_.insert(time_is_first ? header_.end() : header_.begin(), std::string());
+  column_count_ = header_.size();
+}
+
+std::vector<std::string> CsvReader::CellsOf(std::string_view line) const {
+  std::vector<std::string_view> cells = SplitCells(line, separator_);
+  // A separator behind the last value begins no cell.
+  if (cells.size() == column_count_ + 1 && Trimmed(cells.back()).empty()) cells.pop_back();
+  std::vector<std::string> texts;
+  for (const std::string_view cell : cells) texts.emplace_back(Unquoted(cell));
+  return texts;
+}
+
+std::vector<std::vector<std::string>> CsvReader::FirstRows(std::size_t most,
+                                                           std::size_t last_line) {
+  const std::size_t row = row_;
+  std::vector<std::vector<std::string>> rows;
+  std::vector<TextLine> read;
+  std::string_view line;
+  while (rows.size() < most && NextLine(line)) {
+    read.push_back({std::string(line), row_});
+    if (row_ > last_line) break;
+    std::vector<std::string> cells = CellsOf(line);
+    if (cells.size() == column_count_) rows.push_back(std::move(cells));
+  }
+  lines_.GiveBack(std::move(read));
+  row_ = row;
+  return rows;
+}
+
+bool CsvReader::NextRow(std::span<double> values) {
+  if (values.size() != column_count_) throw std::logic_error("no place for each value of a row");
+  std::string_view line;
+  if (!NextLine(line)) return false;
+  ParseRow(line, values);
+  return true;
+}
+
+bool CsvReader::NextRow(std::vector<std::string>& cells) {
+  std::string_view line;
+  if (!NextLine(line)) return false;
+  cells = CellsOf(line);
+  if (cells.size() != column_count_) {
+    Problem(cells.size() < column_count_ ? RecordingProblem::kTruncatedRow
+                                         : RecordingProblem::kRowTooLong,
+            cells.size(), fmt::format("the row has {} of {} values", cells.size(), column_count_));
+    cells.resize(column_count_);
+  }
+  return true;
+}
+
+void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
+  const char* const end = line.data() + line.size();
+  std::string_view rest = line;
+  std::size_t column = 0;
+  bool more = true;
+  for (; column < column_count_ && more; ++column) {
+    double value;
+    const char* const behind = controller::ReadNumber(rest.data(), end, value);
+    if (meanings_[column] == Meaning::kNumber && behind != nullptr && separator_ != ' ' &&
+        (behind == end || *behind == separator_)) {
+      values[column] = value;
+      more = behind != end;
+      rest = {behind + (more ? 1 : 0), end};
+      continue;
+    }
+    // Everything that is not a plain number between separators: rare, so clarity over speed.
+    const std::string_view cell = TakeCell(rest, separator_);
+    more = separator_ == ' ' ? !rest.empty() : cell.data() + cell.size() != end;
+    values[column] = meanings_[column] == Meaning::kIgnored ? kMissing
+                     : meanings_[column] == Meaning::kText  ? TextNumber(cell)
+                                                            : Number(cell, column + 1);
+  }
+  if (column < column_count_) {
+    Problem(RecordingProblem::kTruncatedRow, column,
+            fmt::format("the row has {} of {} values", column, column_count_));
+    for (; column < column_count_; ++column) values[column] = kMissing;
+  } else if (more && !Trimmed(rest).empty()) {
+    Problem(RecordingProblem::kRowTooLong, column_count_ + 1,
+            fmt::format("the row has more than {} values", column_count_));
+  }
+}
+
+double CsvReader::TextNumber(std::string_view cell) {
+  constexpr std::size_t kMostTexts = 4096;  // later ones have no number
+  const std::string_view text = Unquoted(cell);
+  const auto known = text_numbers_.find(text);
+  if (known != text_numbers_.end()) return known->second;
+  if (text.empty() || text_numbers_.size() == kMostTexts) return kMissing;
+  return text_numbers_.emplace(text, static_cast<double>(text_numbers_.size())).first->second;
+}
+
+double CsvReader::Number(std::string_view cell, std::size_t column) {
+  std::string text(Unquoted(cell).substr(0, 64));
+  if (separator_ != ',') std::ranges::replace(text, ',', '.');
+  if (text.empty()) {
+    if (handling_ != ProblemHandling::kAllowMissing) {
+      Problem(RecordingProblem::kMissingValue, column, "the value is missing");
+    }
+    return kMissing;
+  }
+  std::optional<double> value = NumberOrMissing(text);
+  if (!value && meanings_[column - 1] == Meaning::kTime) {
+    value = SecondsOfText(text);
+    if (!value) {
+      Problem(RecordingProblem::kNoTime, column, Quoted(cell) + " is neither a date nor a clock");
+      return kMissing;
+    }
+  }
+  if (!value) {
+    Problem(RecordingProblem::kNotANumber, column, Quoted(cell) + " is not a number");
+    return kMissing;
+  }
+  if (std::isnan(*value)) {
+    if (handling_ != ProblemHandling::kAllowMissing) {
+      Problem(RecordingProblem::kMissingValue, column,
+              fmt::format("the value is missing ({})", text));
+    }
+    return kMissing;
+  }
+  if (std::isinf(*value)) {
+    Problem(RecordingProblem::kNotFinite, column, Quoted(cell) + " is not a finite number");
+    return kMissing;
+  }
+  return *value;
+}
+
+CsvReader::Source FileSource(const std::filesystem::path& path) {
+  const std::shared_ptr<std::FILE> file(std::fopen(InputFile(path).c_str(), "rb"),
+                                        [](std::FILE* open) {
+                                          if (open != nullptr) std::fclose(open);
+                                        });
+  if (file == nullptr) {
+    throw UserError({.place = path.string(),
+                     .problem = fmt::format("cannot be read: {}", std::strerror(errno))});
+  }
+  std::setvbuf(file.get(), nullptr, _IONBF, 0);  // the reader has a buffer of its own
+  return [file](char* buffer, std::size_t size) { return std::fread(buffer, 1, size, file.get()); };
+}
+
+CsvReader::Source TextSource(std::string_view text) {
+  return [text](char* buffer, std::size_t size) mutable {
+    const std::size_t count = std::min(size, text.size());
+    std::memcpy(buffer, text.data(), count);
+    text.remove_prefix(count);
+    return count;
+  };
+}
+
+}  // namespace gauntlet::sim

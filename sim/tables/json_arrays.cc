@@ -1,0 +1,199 @@
+#include "sim/tables/json_arrays.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "sim/base/csv_line.h"
+#include "sim/base/error.h"
+#include "sim/base/json.h"
+#include "sim/tables/missing.h"
+#include "sim/tables/time_text.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr int kDeepest = 100;
+constexpr std::size_t kMostColumns = 1000;
+
+std::string Join(const std::string& path, const std::string& key) {
+  return path.empty() ? key : path + "_" + key;
+}
+
+std::optional<double> NumberOf(const Json& value) {
+  if (value.is_number()) return value.get<double>();
+  if (value.is_boolean()) return value.get<bool>() ? 1.0 : 0.0;
+  if (value.is_null()) return kMissing;
+  if (!value.is_string()) return std::nullopt;
+  const auto text = value.get<std::string>();
+  const auto number = NumberOrMissing(text);
+  return number ? number : SecondsOfText(text);
+}
+
+/// `left` or `right` in a text, or in a text of the first of several or of an object; else empty.
+std::string HandOf(const Json& value, int depth = 0) {
+  constexpr int kDeepestLabel = 4;
+  if (depth > kDeepestLabel) return "";
+  if (value.is_string()) {
+    std::string text = value.get<std::string>();
+    for (char& letter : text) {
+      letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    }
+    return text == "left" || text == "right" ? text : "";
+  }
+  if (value.is_array() && !value.empty()) return HandOf(value.front(), depth + 1);
+  if (!value.is_object()) return "";
+  for (const char* key : {"handedness", "hand", "side", "label", "categoryName", "category_name",
+                          "displayName", "classification"}) {
+    const auto found = value.find(key);
+    if (found == value.end()) continue;
+    if (std::string hand = HandOf(*found, depth + 1); !hand.empty()) return hand;
+  }
+  return "";
+}
+
+/// Hands of the items of a list: by their own words, or by those of the list of hands beside it,
+/// as trackers write `landmarks` and `handedness`. Empty where one of them has none, or two have
+/// the same.
+std::vector<std::string> HandsOf(const Json& list, const Json* beside) {
+  const bool has_beside = beside != nullptr && beside->is_array() && beside->size() == list.size();
+  std::vector<std::string> hands;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    std::string hand = list[i].is_object() ? HandOf(list[i]) : "";
+    if (hand.empty() && has_beside && list[i].is_structured()) hand = HandOf((*beside)[i]);
+    if (hand.empty() || std::ranges::count(hands, hand) > 0) return {};
+    hands.push_back(std::move(hand));
+  }
+  return hands;
+}
+
+/// Column by column what the rows have, each under the way to it.
+class RowCollector {
+ public:
+  void AddRow(const Json& row) {
+    AddTo("", row, 0);
+    ++rows_;
+  }
+  enum class Missing { kDropColumn, kKeepColumn };  // of a column without a number
+  std::vector<NamedArray> Take(const std::string& path, Missing missing = Missing::kDropColumn) {
+    std::vector<NamedArray> arrays;
+    for (const std::string& name : order_) {
+      std::vector<double>& values = columns_[name];
+      values.resize(rows_, kMissing);
+      const auto is_missing = [](double value) { return std::isnan(value); };
+      const bool is_kept = missing == Missing::kKeepColumn;
+      if (!is_kept && std::ranges::all_of(values, is_missing)) continue;
+      arrays.push_back({.name = Join(path, name.empty() ? "value" : name),
+                        .rows = rows_,
+                        .values = std::move(values)});
+    }
+    return arrays;
+  }
+
+ private:
+  /// `beside`: list of the hands of the items, if there is one.
+  void AddTo(const std::string& path, const Json& value, int depth, const Json* beside = nullptr) {
+    if (depth > kDeepest) throw UserError("is nested too deeply");
+    if (value.is_object()) {
+      const Json* hands = nullptr;
+      for (const char* key : {"handedness", "handednesses", "multiHandedness"}) {
+        if (const auto found = value.find(key); found != value.end()) hands = &*found;
+      }
+      for (const auto& [key, part] : value.items()) AddTo(Join(path, key), part, depth + 1, hands);
+    } else if (value.is_array()) {
+      const std::vector<std::string> hands = HandsOf(value, beside);
+      for (std::size_t i = 0; i < value.size(); ++i) {
+        const std::string name = hands.empty() ? std::to_string(i + 1) : hands[i];
+        AddTo(Join(path.empty() ? "value" : path, name), value[i], depth + 1);
+      }
+    } else if (const auto number = NumberOf(value)) {
+      const auto [column, is_new] = columns_.try_emplace(path);
+      if (is_new) order_.push_back(path);
+      if (order_.size() > kMostColumns) {
+        throw UserError(fmt::format("has rows of more than {} values", kMostColumns));
+      }
+      column->second.resize(rows_, kMissing);
+      column->second.push_back(*number);
+    }
+  }
+
+  std::size_t rows_ = 0;
+  std::vector<std::string> order_;
+  std::map<std::string, std::vector<double>> columns_;
+};
+
+void Collect(const std::string& path, const Json& value, int depth,
+             std::vector<NamedArray>& arrays) {
+  if (depth > kDeepest) throw UserError("is nested too deeply");
+  if (value.is_object()) {
+    for (const auto& [key, part] : value.items()) Collect(Join(path, key), part, depth + 1, arrays);
+  } else if (value.is_array()) {
+    RowCollector rows;
+    for (const Json& row : value) rows.AddRow(row);
+    for (NamedArray& array : rows.Take("")) {
+      // A list of plain numbers has the name of the list.
+      array.name = array.name == "value" ? (path.empty() ? "value" : path) : Join(path, array.name);
+      if (const std::size_t at = array.name.rfind("_value_"); at != std::string::npos) {
+        array.name.erase(at, std::string_view("_value").size());
+      }
+      arrays.push_back(std::move(array));
+    }
+  } else if (const auto number = NumberOf(value); number && std::isfinite(*number)) {
+    arrays.push_back({.name = path, .rows = 1, .values = {*number}});
+  }
+}
+
+}  // namespace
+
+std::vector<NamedArray> ReadJsonArrays(std::string_view text) {
+  const Json whole = Json::parse_or_discard(text);
+  std::vector<NamedArray> arrays;
+  if (!whole.is_discarded()) {
+    Collect("", whole, 0, arrays);
+    return arrays;
+  }
+  RowCollector rows;
+  std::size_t line_number = 0;
+  for (const std::string_view line : SplitLines(text)) {
+    ++line_number;
+    if (Trimmed(line).empty()) continue;
+    const Json row = Json::parse_or_discard(line);
+    if (row.is_discarded()) {
+      throw UserError(fmt::format("is no JSON, nor is its line {} alone", line_number));
+    }
+    rows.AddRow(row);
+  }
+  return rows.Take("");
+}
+
+std::vector<NamedArray> ReadJsonRow(std::string_view text) {
+  const Json value = Json::parse_or_discard(text);
+  if (value.is_discarded()) throw UserError("is no JSON");
+  RowCollector row;
+  row.AddRow(value);
+  return row.Take("", RowCollector::Missing::kKeepColumn);
+}
+
+DatasetInfo ReadDatasetInfo(std::string_view text) {
+  DatasetInfo found;
+  const Json whole = Json::parse_or_discard(text);
+  if (!whole.is_object() || !whole.contains("features")) return found;
+  if (whole.contains("fps") && whole["fps"].is_number()) found.rate_hz = whole["fps"].get<double>();
+  for (const auto& [name, feature] : whole["features"].items()) {
+    if (!feature.is_object() || !feature.contains("names")) continue;
+    const Json* names = &feature["names"];
+    while (names->is_structured() && names->size() == 1 && names->front().is_structured()) {
+      names = &names->front();  // {"motors": [..]} or [[..]]
+    }
+    if (!names->is_array() || !std::ranges::all_of(*names, &Json::is_string)) continue;
+    found.names[name] = names->get<std::vector<std::string>>();
+  }
+  return found;
+}
+
+}  // namespace gauntlet::sim

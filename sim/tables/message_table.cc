@@ -1,0 +1,280 @@
+#include "sim/tables/message_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <optional>
+#include <span>
+
+#include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/base/text.h"
+#include "sim/tables/csv_reader.h"
+#include "sim/tables/joint_unit.h"
+#include "sim/tables/message_rows.h"
+#include "sim/tables/message_type.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr double kNsPerS = 1e9;
+
+/// What robots record about themselves, beside what is recorded on purpose.
+bool IsBookkeeping(std::string_view type) {
+  const std::string plain = PlainTypeName(type);
+  return plain.starts_with("rcl_interfaces/") || plain.starts_with("diagnostic_msgs/") ||
+         plain == "rosgraph_msgs/Clock" || plain == "tf2_msgs/TFMessage" || plain == "foxglove.Log";
+}
+
+/// True for a topic that may be the one to take.
+bool HasSignals(const Topic& topic) {
+  if (topic.messages < 2 || IsBookkeeping(topic.type) || !ProblemOf(topic).empty()) return false;
+  if (topic.encoding != "cdr") return true;
+  return HasSignals(
+      ReadRos2Msg(topic.type, topic.schema_encoding == "ros2msg" ? topic.schema : std::string()));
+}
+
+ListedTopic Listed(const Topic& topic) {
+  ListedTopic listed = {.name = topic.name, .type = topic.type, .messages = topic.messages};
+  listed.problem = ProblemOf(topic);
+  listed.has_signals = HasSignals(topic);
+  const double duration_s =
+      (static_cast<double>(topic.last_ns) - static_cast<double>(topic.first_ns)) / kNsPerS;
+  if (topic.messages > 1 && duration_s > 0.0) {
+    listed.rate_hz = static_cast<double>(topic.messages - 1) / duration_s;
+  }
+  return listed;
+}
+
+std::vector<ListedTopic> ListAll(const MessageFile& file) {
+  std::vector<ListedTopic> listed;
+  for (const Topic& topic : file.topics()) listed.push_back(Listed(topic));
+  return listed;
+}
+
+/// The names of topics, of many the first ones.
+std::string NamesIn(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 12;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) {
+    text += (i == 0 ? "" : ", ") + OneLine(names[i], 120);
+  }
+  return names.size() > kMost ? text + fmt::format(" and {} more", names.size() - kMost) : text;
+}
+
+/// The topic of this name, or the only one with signals. Nothing if there are none or several.
+std::optional<std::size_t> FindTopic(const std::vector<Topic>& topics, std::string_view chosen) {
+  if (chosen.empty()) {
+    const auto is_usable = [](const Topic& topic) { return HasSignals(topic); };
+    const auto found = std::ranges::find_if(topics, is_usable);
+    if (std::ranges::count_if(topics, is_usable) != 1) return std::nullopt;
+    return static_cast<std::size_t>(found - topics.begin());
+  }
+  const auto is_chosen = [&](const Topic& topic) {
+    return topic.name == chosen ||
+           (topic.name.starts_with('/') && std::string_view(topic.name).substr(1) == chosen);
+  };
+  const auto found = std::ranges::find_if(topics, is_chosen);
+  if (found == topics.end()) {
+    std::vector<std::string> names;
+    for (const Topic& topic : topics) names.push_back(topic.name);
+    throw UserError(fmt::format("has no topic {}{}", Shown(chosen), Suggestion(chosen, names)));
+  }
+  if (const std::string problem = ProblemOf(*found); !problem.empty()) {
+    throw UserError(fmt::format("topic {} is not read: {}", OneLine(found->name, 60), problem));
+  }
+  return static_cast<std::size_t>(found - topics.begin());
+}
+
+/// What all messages of a topic have in common.
+struct TopicFacts {
+  std::vector<std::string> columns;
+  std::vector<std::string> remarks;  // on units
+  bool has_stamps = true;
+  bool is_sorted = true;  // by the time to be used
+};
+
+/// Calls `visit(time of the header or of the recorder, row)` for each message.
+template <class Visit>
+void ForEachRow(MessageFile& file, std::size_t topic, MessageRows& rows, const Visit& visit) {
+  std::uint64_t number = 0;
+  file.ForEachMessage(topic, [&](std::int64_t log_ns, std::string_view data) {
+    ++number;
+    try {
+      rows.Read(data);
+    } catch (const UserError& error) {
+      throw UserError(fmt::format("message {} of {}: {}", number,
+                                  OneLine(file.topics()[topic].name, 60), error.what()));
+    }
+    visit(log_ns, rows.stamp_ns());
+  });
+}
+
+/// Types of the joints in the first robot_description of the file; empty without one.
+JointTypes JointTypesOf(MessageFile& file) {
+  std::string text;
+  for (std::size_t i = 0; i < file.topics().size(); ++i) {
+    const Topic& topic = file.topics()[i];
+    if (!topic.name.ends_with("robot_description") || topic.encoding != "cdr" ||
+        PlainTypeName(topic.type) != "std_msgs/String") {
+      continue;
+    }
+    file.ForEachMessage(i, [&text](std::int64_t, std::string_view data) {
+      if (text.empty()) text = data;
+    });
+  }
+  return JointTypesIn(text);
+}
+
+/// Names positions of joints with their units.
+void NameUnits(MessageFile& file, const MessageRows& rows, const std::vector<double>& largest,
+               TopicFacts& facts) {
+  if (rows.positions().empty()) return;
+  const JointTypes types = JointTypesOf(file);
+  for (const std::size_t column : rows.positions()) {
+    JointUnit unit = UnitOfJoint(facts.columns[column], largest[column], types);
+    facts.columns[column] += unit.suffix;
+    if (!unit.why.empty()) facts.remarks.push_back(std::move(unit.why));
+  }
+}
+
+TopicFacts FactsOf(MessageFile& file, std::size_t topic, MessageRows& rows) {
+  TopicFacts facts;
+  std::vector<double> largest;  // magnitude per column
+  bool is_sorted_by_stamp = true;
+  std::optional<std::int64_t> log_before, stamp_before;
+  ForEachRow(file, topic, rows, [&](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {
+    largest.resize(rows.row().size());
+    for (const std::size_t column : rows.positions()) {
+      largest[column] = std::fmax(largest[column], std::abs(rows.row()[column]));
+    }
+    facts.has_stamps = facts.has_stamps && stamp_ns.has_value();
+    if (log_before && log_ns < *log_before) facts.is_sorted = false;
+    if (stamp_before && stamp_ns && *stamp_ns < *stamp_before) is_sorted_by_stamp = false;
+    log_before = log_ns;
+    stamp_before = stamp_ns;
+  });
+  if (facts.has_stamps) facts.is_sorted = is_sorted_by_stamp;
+  if (!facts.has_stamps && !file.has_log_times()) {
+    throw UserError(
+        "has messages without a time in a header; rostopic echo -p and ros2 bag record keep times");
+  }
+  facts.columns = rows.columns();
+  if (facts.columns.empty()) {
+    throw UserError(fmt::format("topic {} has no numbers", OneLine(file.topics()[topic].name, 60)));
+  }
+  NameUnits(file, rows, largest, facts);
+  return facts;
+}
+
+/// Writes rows of text in blocks.
+class RowWriter {
+ public:
+  explicit RowWriter(const std::function<void(std::string_view)>& write) : write_(write) {}
+
+  void Names(const TopicFacts& facts) {
+    fmt::format_to(std::back_inserter(text_), "time_s,{}\n", fmt::join(facts.columns, ","));
+    for (const std::string& remark : facts.remarks) remarks_ += RemarkLine(remark);
+  }
+  void Row(std::int64_t ns, std::span<const double> values) {
+    Time(ns);
+    for (const double value : values) fmt::format_to(std::back_inserter(text_), ",{}", value);
+    text_.push_back('\n');
+    if (++rows_ == kRowsBeforeRemarks) text_.append(remarks_);
+    constexpr std::size_t kBlockBytes = std::size_t{1} << 16;
+    if (text_.size() > kBlockBytes) Flush();
+    before_ns_ = last_ns_;
+    last_ns_ = ns;
+  }
+  void CutRow() {
+    // A step behind the last row, as far as a time can be.
+    const double next = 2.0 * static_cast<double>(last_ns_) - static_cast<double>(before_ns_);
+    constexpr double kMost = 9e18;
+    Time(static_cast<std::int64_t>(std::clamp(next, -kMost, kMost)));
+    text_.push_back('\n');
+  }
+  void Flush() {
+    write_({text_.data(), text_.size()});
+    text_.clear();
+  }
+
+ private:
+  /// All digits of a time since 1970.
+  void Time(std::int64_t ns) {
+    constexpr std::int64_t kSecond = 1000000000;
+    if (ns < 0) {
+      fmt::format_to(std::back_inserter(text_), "{}", static_cast<double>(ns) / kNsPerS);
+    } else {
+      fmt::format_to(std::back_inserter(text_), "{}.{:09}", ns / kSecond, ns % kSecond);
+    }
+  }
+
+  const std::function<void(std::string_view)>& write_;
+  fmt::memory_buffer text_;
+  std::string remarks_;
+  int rows_ = 0;
+  std::int64_t last_ns_ = 0;
+  std::int64_t before_ns_ = 0;
+};
+
+}  // namespace
+
+std::vector<ListedTopic> ListTopics(MessageFile& file, std::string_view chosen) {
+  const std::optional<std::size_t> taken = FindTopic(file.topics(), chosen);
+  std::vector<ListedTopic> listed = ListAll(file);
+  if (!taken) return listed;
+  MessageRows rows(file.topics()[*taken]);
+  listed[*taken].is_taken = true;
+  listed[*taken].has_stamps = FactsOf(file, *taken, rows).has_stamps;
+  listed[*taken].is_cut = file.is_cut();
+  return listed;
+}
+
+std::string QuestionOf(const std::vector<ListedTopic>& topics) {
+  std::vector<std::string> usable, all;
+  for (const ListedTopic& topic : topics) {
+    all.push_back(topic.problem.empty() ? topic.name
+                                        : fmt::format("{} ({})", topic.name, topic.problem));
+    if (topic.has_signals) usable.push_back(topic.name);
+  }
+  if (all.empty()) return "has no topic";
+  if (usable.empty()) return "has no topic with signals that is read, but " + NamesIn(all);
+  return fmt::format("has several topics: {}; --topic NAME takes one", NamesIn(usable));
+}
+
+void WriteTopicTable(MessageFile& file, std::string_view chosen,
+                     const std::function<void(std::string_view)>& write) {
+  const std::optional<std::size_t> found = FindTopic(file.topics(), chosen);
+  if (!found) throw UserError(QuestionOf(ListAll(file)));
+  const std::size_t topic = *found;
+  MessageRows rows(file.topics()[topic]);
+  const TopicFacts facts = FactsOf(file, topic, rows);
+  RowWriter table(write);
+  table.Names(facts);
+  std::vector<std::int64_t> times_ns;  // of rows that have to be sorted
+  std::vector<double> values;
+  ForEachRow(file, topic, rows, [&](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {
+    if (rows.columns().size() != facts.columns.size()) throw UserError("changes while it is read");
+    const std::int64_t ns = facts.has_stamps ? stamp_ns.value_or(0) : log_ns;
+    if (facts.is_sorted) {
+      table.Row(ns, rows.row());
+    } else {
+      times_ns.push_back(ns);
+      values.insert(values.end(), rows.row().begin(), rows.row().end());
+    }
+  });
+  std::vector<std::size_t> order(times_ns.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return times_ns[i]; });
+  const std::size_t columns = facts.columns.size();
+  for (const std::size_t i : order) {
+    table.Row(times_ns[i], std::span(values).subspan(i * columns, columns));
+  }
+  if (file.is_cut()) table.CutRow();
+  table.Flush();
+}
+
+}  // namespace gauntlet::sim

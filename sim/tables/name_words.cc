@@ -1,0 +1,125 @@
+#include "sim/tables/name_words.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <functional>
+
+#include "sim/tables/time_columns.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr std::array<Meaning, 5> kFingers = {
+    {{"thumb", "thumb th thm thj"},
+     {"index", "index fore forefinger pointer if ff ffj idx"},
+     {"middle", "middle mid mf mfj"},
+     {"ring", "ring rf rfj"},
+     {"little", "little pinky pinkie pink small lf lfj"}}};
+
+constexpr std::array<Meaning, 5> kJoints = {
+    {{"mcp", "mcp mpj knuckle proximal inner near"},
+     {"pip", "pip pij intermediate"},
+     {"ip", "ip ij"},
+     {"dip", "dip dij distal outer far tip"},
+     {"rotation", "cmc tmc tmj roll rotation rot opposition"}}};
+
+constexpr std::array<Meaning, 4> kArmParts = {{{"wrist", "wrist wr"},
+                                               {"forearm", "forearm pronation"},
+                                               {"elbow", "elbow"},
+                                               {"shoulder", "shoulder"}}};
+
+constexpr std::array<Meaning, 2> kSides = {{{"left", "left l lh"}, {"right", "right r rh"}}};
+
+}  // namespace
+
+std::string_view MeaningOf(std::span<const Meaning> list, std::string_view word) {
+  const auto found = std::ranges::find_if(
+      list, [word](const Meaning& meaning) { return IsWordOf(meaning.words, word); });
+  return found == list.end() ? "" : found->means;
+}
+
+std::vector<std::string> WordsOf(std::string_view name) {
+  enum class Kind { kNone, kUpper, kLower, kDigit };
+  std::vector<std::string> words;
+  Kind before = Kind::kNone;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(name[i]);
+    Kind kind = Kind::kNone;
+    if (std::isupper(byte) != 0) kind = Kind::kUpper;
+    if (std::islower(byte) != 0) kind = Kind::kLower;
+    if (std::isdigit(byte) != 0) kind = Kind::kDigit;
+    const bool next_is_lower =
+        i + 1 < name.size() && std::islower(static_cast<unsigned char>(name[i + 1])) != 0;
+    // mA and mV are units.
+    const bool is_unit =
+        before == Kind::kLower && kind == Kind::kUpper && words.back() == "m" &&
+        (i + 1 == name.size() || std::isalnum(static_cast<unsigned char>(name[i + 1])) == 0);
+    const bool begins =
+        kind != before && !(before == Kind::kUpper && kind == Kind::kLower) && !is_unit;
+    const bool new_word = kind == Kind::kUpper && before == Kind::kUpper && next_is_lower;
+    if (kind != Kind::kNone) {
+      if (words.empty() || begins || new_word) words.emplace_back();
+      words.back().push_back(static_cast<char>(std::tolower(byte)));
+    }
+    before = kind;
+  }
+  return words;
+}
+
+bool HasWordOf(const std::vector<std::string>& words, std::string_view list) {
+  return std::ranges::any_of(words,
+                             [list](const std::string& word) { return IsWordOf(list, word); });
+}
+
+std::vector<std::string> WithFingers(std::vector<std::string> names) {
+  constexpr std::string_view kLetters = "timrl";
+  std::array<bool, kLetters.size()> found = {};
+  const auto finger_of = [&](const std::string& name) {
+    const std::vector<std::string> words = WordsOf(name);
+    return words.size() < 2 || words[0].size() != 1 ? kLetters.npos : kLetters.find(words[0]);
+  };
+  for (const std::string& name : names) {
+    if (const std::size_t finger = finger_of(name); finger != kLetters.npos) found[finger] = true;
+  }
+  if (!std::ranges::all_of(found, std::identity())) return names;
+  for (std::string& name : names) {
+    const std::size_t finger = finger_of(name);
+    const std::size_t letter = name.find_first_of("TIMRLtimrl");
+    if (finger != kLetters.npos) name.replace(letter, 1, kFingers[finger].means);
+  }
+  return names;
+}
+
+std::string_view FingerOf(std::string_view word) { return MeaningOf(kFingers, word); }
+std::string_view FingerOfJointName(std::string_view name) {
+  for (const std::string& word : WordsOf(name)) {
+    if (const std::string_view finger = FingerOf(word); !finger.empty()) return finger;
+  }
+  return "";
+}
+std::string_view JointOf(std::string_view word) { return MeaningOf(kJoints, word); }
+bool IsSpread(std::string_view word) {
+  return IsWordOf("abd abduction adduction abducted spread splay aa", word);
+}
+bool NamesParts(std::string_view name) {
+  return HasWordOf(WordsOf(name),
+                   "session sessions trial trials episode episodes take run repetition rep "
+                   "recording part segment file subject participant person user");
+}
+bool IsSensorWord(std::string_view word) {
+  return IsWordOf(
+      "flex bend bending glove finger fingers hand sensor sensors sens s ch chan channel channels "
+      "adc a f v val value values raw norm normalized normalised data analog volt volts count "
+      "counts deg degree degrees rad radian radians angle angles cyberglove dataglove cal "
+      "calibrated filtered abc",
+      word);
+}
+bool IsJointWord(std::string_view word) {
+  return IsWordOf("joint joints j q qpos pos position positions g col column share percent smooth",
+                  word);
+}
+std::string_view ArmPartOf(std::string_view word) { return MeaningOf(kArmParts, word); }
+std::string_view SideOf(std::string_view word) { return MeaningOf(kSides, word); }
+
+}  // namespace gauntlet::sim
