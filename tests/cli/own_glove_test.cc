@@ -16,7 +16,7 @@
 #include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
 #include "sim/base/signal.h"
-#include "sim/fit/calibration.h"
+#include "sim/settings/glove_calibration.h"
 #include "sim/settings/robot_file.h"
 #include "sim/settings/yaml_reader.h"
 #include "tests/support/program.h"

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "sim/fit/retarget/fingertip_motion.h"
 #include "sim/hand/hand_kinematics.h"
 #include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study.h"
+#include "sim/tables/name_words.h"
 #include "sim/trial/joint_angles.h"
 #include "tests/support/ready_scenarios.h"
 #include "tests/support/source_dir.h"
