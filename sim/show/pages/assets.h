@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-/// The files of sim/show/pages/assets and of Debian's libjs-dygraphs and libjs-three, built into the
+/// Files of sim/show/pages/assets and of Debian's libjs-dygraphs and libjs-three, built into the
 /// program by embed_assets.cmake so that a report needs nothing beside it.
 namespace gauntlet::sim::assets {
 
