@@ -134,6 +134,12 @@ class FilterStream {
   FilterStream(const StreamFilter& settings, StreamTable table)
       : settings_(settings), table_(std::move(table)) {
     if (table_.has_time()) clock_.emplace(table_.time_scale_s());
+    if (table_.needs_time() && !clock_ && !std::isfinite(settings_.rate_hz)) {
+      throw UserError({.place = "--map",
+                       .key = "envelope_ms",
+                       .problem = "needs the times of the rows: a column of time in the map, or "
+                                  "--set rate_hz=HZ"});
+    }
     StartIfRateIsKnown();
     PrintText(table_.header());
     CheckOutput();
@@ -214,9 +220,12 @@ class FilterStream {
   }
 
   void FilterRow() {
-    for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = table_.Value(i);
+    const double time_s =
+        clock_ ? table_.Time() * table_.time_scale_s() : rows_ / settings_.rate_hz;
+    ++rows_;
+    for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = table_.Value(i, time_s);
     filter_->Step(values_, filtered_);
-    PrintText(table_.Written(filtered_));
+    PrintText(table_.Written(filtered_, time_s));
     CheckOutput();
   }
 
@@ -230,6 +239,7 @@ class FilterStream {
   std::optional<HeldFilter> filter_;  // none until the rate is known
   bool needs_rate_ = false;
   double rate_hz_ = controller::kNaN;
+  double rows_ = 0.0;  // that are filtered
   std::optional<RowClock> clock_;
   std::vector<WaitingRow> waiting_;
   std::vector<double> values_;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "controller/number.h"
 #include "sim/base/channels.h"
@@ -18,7 +19,6 @@
 #include "sim/recordings/column_scale.h"
 #include "sim/recordings/recording_reader.h"
 #include "sim/recordings/time_guess.h"
-#include "sim/recordings/turn_counter.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/time_columns.h"
 #include "sim/tables/time_text.h"
@@ -33,14 +33,21 @@ std::size_t ValuesIn(const std::vector<std::string_view>& cells, char separator)
                                [=](std::string_view cell) { return IsValue(cell, separator); });
 }
 
-/// True if the line is a row: it has values and, unless it may stand alone, as many cells as the
-/// line above it.
-bool EndsHead(std::string_view line, const std::string& above, bool may_be_alone) {
+enum class Likeness { kNone, kPossible, kRow };
+
+/// Whether a line is a row. It has values and, unless it may stand alone, as many cells as the line
+/// above it, or one more, without a name. A note (`Firmware: 1.2`) may look like a row with a text:
+/// then only a line below it of the same shape makes it one.
+Likeness LikenessToRow(std::string_view line, const std::string& above, bool may_be_alone) {
   const char separator = SeparatorOf(line);
   const std::vector<std::string_view> cells = SplitCells(line, separator);
   const std::size_t values = ValuesIn(cells, separator);
-  if (above.empty()) return may_be_alone && values == cells.size();
-  return values > 0 && SplitCells(above, separator).size() == cells.size();
+  const bool is_all_values = values == cells.size();
+  if (above.empty()) return may_be_alone && is_all_values ? Likeness::kRow : Likeness::kNone;
+  const std::size_t cells_above = SplitCells(above, separator).size();
+  if (is_all_values && cells.size() > 1 && cells_above + 1 == cells.size()) return Likeness::kRow;
+  if (values == 0 || cells_above != cells.size()) return Likeness::kNone;
+  return 2 * values > cells.size() ? Likeness::kRow : Likeness::kPossible;
 }
 
 /// True if only rows tell which column is the time.
@@ -114,13 +121,16 @@ StreamHead ReadHead(TextLines& lines, bool has_map) {
   std::vector<TextLine> read;
   std::string above;
   std::string_view line;
+  Likeness likeness = Likeness::kNone;  // of the last line
   bool ends = false;
   while (!ends && read.size() < kMostLines && lines.Next(line)) {
     read.push_back({std::string(line), lines.number()});
     if (!IsRow(line)) continue;
-    ends = EndsHead(line, above, has_map);
+    const Likeness before = std::exchange(likeness, LikenessToRow(line, above, has_map));
+    ends = likeness == Likeness::kRow || (likeness != Likeness::kNone && before == likeness);
     above = line;
   }
+  ends = ends || likeness == Likeness::kPossible;  // the stream has ended
   StreamHead head;
   head.layout = ends ? LayoutOf(read) : LayoutWithoutRows(read);
   TableLayout& layout = head.layout;
@@ -146,6 +156,7 @@ StreamHead ReadHead(TextLines& lines, bool has_map) {
     }
   }
   if (!has_names || head.names.size() == layout.columns) return head;
+  head.lacks_first_name = head.names.size() + 1 == layout.columns && layout.names.front().empty();
   head.names.clear();  // in a comment, above their units, or one short
   for (const std::string& name : layout.names) {
     const bool is_plain = name.find_first_of({layout.separator, '"', ' '}) == std::string::npos;
@@ -158,6 +169,7 @@ StreamTable::StreamTable(const StreamHead& head, const std::string& map,
                          const std::vector<std::string>& asked) {
   separator_ = head.layout.separator;
   columns_ = head.layout.columns;
+  values_.resize(columns_);
   if (map.empty()) {
     TakeColumns(head, asked);
   } else {
@@ -165,10 +177,10 @@ StreamTable::StreamTable(const StreamHead& head, const std::string& map,
   }
 }
 
-void StreamTable::TakeChannel(std::size_t column) {
-  output_[column].channel = channels_.size();
-  filtered_.push_back(channels_.size());
-  channels_.push_back(StreamChannel{Part{.column = column}});
+void StreamTable::TakeChannel(std::size_t column, std::vector<ChannelValues::Parts>& channels) {
+  output_[column].channel = channels.size();
+  filtered_.push_back(channels.size());
+  channels.push_back({{.column = column}});
 }
 
 /// `k`, the number of the sample, is no channel in the first column only.
@@ -179,20 +191,27 @@ void StreamTable::TakeColumns(const StreamHead& head, const std::vector<std::str
   const std::vector<bool> is_asked = AskedColumns(names, asked);
   time_ = TimeByName(head.layout);
   std::erase_if(time_, [&](const TimeMapping& time) { return is_asked[time.column]; });
+  std::vector<ChannelValues::Parts> channels;
   for (std::size_t column = 0; column < columns_; ++column) {
     const std::string& name = names[column];
     output_.push_back({.column = column});
     if (!asked.empty() && is_asked[column]) {
-      TakeChannel(column);
+      TakeChannel(column, channels);
       continue;
     }
-    if (asked.empty() && name.empty()) Fail(1, column, "has no name");
+    const bool is_last_of_separators = name.empty() && column > 0 && column + 1 == columns_;
+    if (asked.empty() && name.empty()) {
+      if (!is_last_of_separators) {
+        Say("gauntlet: standard input: column {} has no name and passes through\n", column + 1);
+      }
+      continue;
+    }
     const bool is_time = std::ranges::find(time_, column, &TimeMapping::column) != time_.end();
     if (TimeScaleS(name) || (IsSampleNumber(name) && column == 0)) continue;
     if (is_time) {
       Say("gauntlet: standard input: {} is the time\n", Shown(name));
     } else if (asked.empty()) {
-      TakeChannel(column);
+      TakeChannel(column, channels);
       if (!MayBeTime(name)) continue;
       Say("gauntlet: warning: standard input:1:{}: {} is filtered as a channel; if it is the time, "
           "call it time_s or time_ms\n",
@@ -203,8 +222,10 @@ void StreamTable::TakeColumns(const StreamHead& head, const std::vector<std::str
     // Data frames do so; or the header was forgotten.
     Say("gauntlet: warning: standard input:1: numbers only, taken as the header\n");
   }
-  if (channels_.empty()) Fail(1, "has no channel besides the time");
-  header_ = fmt::format("{}\n", fmt::join(head.names, std::string(1, separator_)));
+  if (channels.empty()) Fail(1, "has no channel besides the time");
+  channels_ = ChannelValues(std::move(channels));
+  const auto written = std::span(head.names).subspan(head.lacks_first_name ? 1 : 0);
+  header_ = fmt::format("{}\n", fmt::join(written, std::string(1, separator_)));
 }
 
 void StreamTable::TakeMap(const StreamHead& head, const std::string& map,
@@ -223,33 +244,33 @@ void StreamTable::TakeMap(const StreamHead& head, const std::string& map,
 }
 
 std::vector<std::string> StreamTable::TakeChannels(const ColumnMap& map) {
-  std::vector<StreamChannel> parts(KnownChannels().size());
+  std::vector<ChannelValues::Parts> parts(KnownChannels().size());
   std::vector<bool> passes(columns_, true);
   for (const ColumnMapping& mapping : map.channels) {
-    if (mapping.envelope_ms > 0.0) {
-      throw UserError(
-          {.place = "--map",
-           .key = "envelope_ms",
-           .problem = "is for recordings; gauntlet filter takes the values as they are"});
-    }
     const ColumnScale scale = ScaleOf(mapping, NominalCounts{});
     parts[mapping.channel].push_back({.column = mapping.column,
                                       .factor = scale.factor * kDegPerRad,
                                       .offset = scale.offset_rad * kDegPerRad,
-                                      .wraps_at = mapping.wraps_at});
+                                      .wraps_at = mapping.wraps_at,
+                                      .envelope_ms = mapping.envelope_ms});
     passes[mapping.column] = false;
   }
+  for (const std::string& envelope : EnvelopesOf(map)) {
+    Say("gauntlet: standard input: {}\n", envelope);
+  }
   std::vector<std::string> names;
+  std::vector<ChannelValues::Parts> channels;
   for (std::size_t column = 0; column < columns_; ++column) {
     if (passes[column]) output_.push_back({.column = column});
     for (std::size_t i = 0; !passes[column] && i < parts.size(); ++i) {
       if (parts[i].empty()) continue;
-      if (std::ranges::min(parts[i], {}, &Part::column).column != column) continue;
-      output_.push_back({.column = column, .channel = channels_.size()});
+      if (std::ranges::min(parts[i], {}, &ChannelValues::Part::column).column != column) continue;
+      output_.push_back({.column = column, .channel = channels.size()});
       names.emplace_back(KnownChannels()[i].name);
-      channels_.push_back(parts[i]);
+      channels.push_back(parts[i]);
     }
   }
+  channels_ = ChannelValues(std::move(channels));
   return names;
 }
 
@@ -294,31 +315,31 @@ double StreamTable::Time() const {
   return sum;
 }
 
-double StreamTable::ValueOf(StreamChannel& channel) {
-  double sum = -0.0;
-  for (Part& part : channel) {
+double StreamTable::ValueOf(std::size_t channel, double time_s) {
+  for (const ChannelValues::Part& part : channels_.parts(channel)) {
     const std::string_view field = fields_[part.column];
     const std::optional<double> value = NumberOrMissing(Plain(field));
     if (!value) {
       Fail(row_, part.column, fmt::format("is \"{}\", must be a number", Shown(field)));
     }
-    sum += part.factor * Unwrapped(*value, part.wraps_at, part.before, part.turned) + part.offset;
+    values_[part.column] = *value;
   }
-  return sum;
+  return channels_.Next(channel, time_s, values_);
 }
 
 /// With the fewest digits that read back to the same bits, and a decimal comma as it came.
-void StreamTable::WriteNumber(const StreamChannel& channel, double value) {
+void StreamTable::WriteNumber(std::size_t channel, double value) {
   const std::ptrdiff_t begin = std::ssize(text_);
   fmt::format_to(std::back_inserter(text_), "{}", value);
   const bool has_comma =
-      separator_ != ',' && std::ranges::any_of(channel, [this](const Part& part) {
+      separator_ != ',' &&
+      std::ranges::any_of(channels_.parts(channel), [this](const ChannelValues::Part& part) {
         return fields_[part.column].find(',') != std::string_view::npos;
       });
   if (has_comma) std::replace(text_.begin() + begin, text_.end(), '.', ',');
 }
 
-std::string_view StreamTable::Written(std::span<const double> values) {
+std::string_view StreamTable::Written(std::span<const double> values, double time_s) {
   text_.clear();
   std::size_t next = 0;  // of the channels that are filtered, which come in their order
   for (const OutputCell& cell : output_) {
@@ -326,9 +347,9 @@ std::string_view StreamTable::Written(std::span<const double> values) {
     if (!cell.channel) {
       text_ += Trimmed(fields_[cell.column]);
     } else if (next < filtered_.size() && filtered_[next] == *cell.channel) {
-      WriteNumber(channels_[*cell.channel], values[next++]);
+      WriteNumber(*cell.channel, values[next++]);
     } else {
-      WriteNumber(channels_[*cell.channel], ValueOf(channels_[*cell.channel]));
+      WriteNumber(*cell.channel, ValueOf(*cell.channel, time_s));
     }
   }
   text_.push_back('\n');

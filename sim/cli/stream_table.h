@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "controller/number.h"
+#include "sim/recordings/channel_values.h"
 #include "sim/recordings/column_map.h"
 #include "sim/tables/table_layout.h"
 #include "sim/tables/text_lines.h"
@@ -19,6 +19,7 @@ namespace gauntlet::sim {
 struct StreamHead {
   TableLayout layout;
   std::vector<std::string> names;  // as the stream has them; empty: no line of names
+  bool lacks_first_name = false;   // of a column of row numbers, as data frames write it
   std::vector<TextLine> rows;
 };
 
@@ -61,25 +62,17 @@ class StreamTable {
   double Time() const;
   /// The cell that Time() begins with.
   std::string_view TimeText() const { return fields_[time_column()]; }
-  /// Of a channel to filter; NaN if a part of it is missing.
-  double Value(std::size_t channel) { return ValueOf(channels_[filtered_[channel]]); }
+  /// Whether values of channels depend on the times of the rows.
+  bool needs_time() const { return channels_.needs_time(); }
+  /// Of a channel to filter; NaN if a part of it is missing. `time_s`: of the row.
+  double Value(std::size_t channel, double time_s) { return ValueOf(filtered_[channel], time_s); }
   /// The row, with these values of the channels to filter, and its end.
-  std::string_view Written(std::span<const double> values);
+  std::string_view Written(std::span<const double> values, double time_s);
 
   [[noreturn]] static void Fail(std::size_t row, const std::string& problem);
   [[noreturn]] static void Fail(std::size_t row, std::size_t column, const std::string& problem);
 
  private:
-  /// -0 added to a number leaves it as it is, a zero's sign included.
-  struct Part {
-    std::size_t column = 0;
-    double factor = 1.0;
-    double offset = -0.0;
-    double wraps_at = 0.0;  // as in a column map
-    double before = controller::kNaN;
-    double turned = 0.0;
-  };
-  using StreamChannel = std::vector<Part>;  // their sum
   /// Of the rows that come out: a channel, or a column that passes through.
   struct OutputCell {
     std::size_t column = 0;
@@ -92,21 +85,22 @@ class StreamTable {
   /// The channels of a map and the columns that pass through; returns the names of the channels.
   std::vector<std::string> TakeChannels(const ColumnMap& map);
   void KeepAsked(const std::vector<std::string>& names, const std::vector<std::string>& asked);
-  void TakeChannel(std::size_t column);
+  void TakeChannel(std::size_t column, std::vector<ChannelValues::Parts>& channels);
   std::string Plain(std::string_view field) const;
-  double ValueOf(StreamChannel& channel);
-  void WriteNumber(const StreamChannel& channel, double value);
+  double ValueOf(std::size_t channel, double time_s);
+  void WriteNumber(std::size_t channel, double value);
 
   char separator_ = ',';
   std::size_t columns_ = 0;
   std::vector<TimeMapping> time_;  // its sum
-  std::vector<StreamChannel> channels_;
+  ChannelValues channels_;
   std::vector<std::size_t> filtered_;  // of the channels
   std::vector<OutputCell> output_;
   std::string header_;
 
   std::size_t row_ = 0;
   std::vector<std::string_view> fields_;
+  std::vector<double> values_;  // of the columns that make channels
   std::string text_;
 };
 

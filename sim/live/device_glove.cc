@@ -43,7 +43,8 @@ void DeviceGlove::Read(const std::stop_token& stop) {
   const auto take = [&](const DeviceFrame& frame) {
     if (MayGetNames(frame.arrival_ns)) return;
     const FrameArrivals::Numbered numbered = arrivals_.Take(frame);
-    const std::span<const double> counts = channels_.Counts(setup_.source->columns(), frame.values);
+    const std::span<const double> counts =
+        channels_.Counts(setup_.source->columns(), numbered.stamp_s, frame.values);
     const bool is_taken = frames_.Push({.number = numbered.number,
                                         .stamp_s = numbered.stamp_s,
                                         .arrival_ns = frame.arrival_ns,

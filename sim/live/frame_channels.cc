@@ -13,7 +13,6 @@
 #include "sim/base/text.h"
 #include "sim/recordings/column_map.h"
 #include "sim/recordings/column_scale.h"
-#include "sim/recordings/turn_counter.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -30,8 +29,11 @@ std::vector<std::size_t> ValueColumns(const DeviceColumns& columns) {
 }
 
 /// By names of channels, as of a recording without a map; no channels if a column has another name.
-ColumnMap MapByNames(const DeviceColumns& columns, const std::vector<std::size_t>& values) {
+/// A column without a name beside others, as behind a separator at the end of a line, is left out.
+ColumnMap MapByNames(const DeviceColumns& columns, std::vector<std::size_t> values) {
   if (columns.names.size() != columns.count) return {};
+  std::erase_if(values, [&](std::size_t column) { return columns.names[column].empty(); });
+  if (values.empty()) return {};
   std::vector<std::string> names;
   for (const std::size_t column : values) names.push_back(columns.names[column]);
   const std::string text = fmt::format("{}\n{}\n", fmt::join(names, ","),
@@ -64,16 +66,11 @@ void FrameChannels::Fail(const std::string& problem) const {
   throw UserError({.place = config_.source, .problem = problem});
 }
 
-std::span<const double> FrameChannels::Counts(const DeviceColumns& columns,
+std::span<const double> FrameChannels::Counts(const DeviceColumns& columns, double time_s,
                                               std::span<const double> values) {
   if (columns.version != version_) Configure(columns);
   for (std::size_t c = 0; c < channels_.size(); ++c) {
-    double counts = channels_[c].offset_counts;
-    for (Part& part : channels_[c].parts) {
-      const double value = part.column < values.size() ? values[part.column] : controller::kNaN;
-      counts += part.factor * Unwrapped(value, part.wraps_at, part.before, part.turned);
-    }
-    counts_[c] = counts;
+    counts_[c] = channels_.Next(c, time_s, values);
   }
   return counts_;
 }
@@ -92,8 +89,9 @@ void FrameChannels::TakeInOrder(const DeviceColumns& columns) {
                     values.size(), values.size() == 1 ? "" : "s", of_names, names.size(),
                     ShellWord("glove.channels=[..]")));
   }
-  channels_.assign(names.size(), {});
-  for (std::size_t c = 0; c < names.size(); ++c) channels_[c].parts = {{.column = values[c]}};
+  std::vector<ChannelValues::Parts> channels;
+  for (const std::size_t column : values) channels.push_back({{.column = column}});
+  channels_ = ChannelValues(std::move(channels));
   remark_ = fmt::format(
       "{} values a frame{} are the counts of {} to {} in this order; --map says "
       "otherwise",
@@ -110,7 +108,7 @@ void FrameChannels::Configure(const DeviceColumns& columns) {
   if (config_.map.empty() && map.channels.empty()) return TakeInOrder(columns);
   const controller::GloveCalibration& glove = config_.glove;
   const std::vector<controller::ConverterRange> converters = controller::ConvertersOf(glove);
-  std::vector<ChannelParts> channels(glove.channel_names.size());
+  std::vector<ChannelValues::Parts> channels(glove.channel_names.size());
   std::vector<std::string> missing;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     const int known = ChannelIndex(glove.channel_names[c]);
@@ -121,18 +119,17 @@ void FrameChannels::Configure(const DeviceColumns& columns) {
     for (const ColumnMapping& mapping : map.channels) {
       if (mapping.channel != known) continue;
       are_counts = AreGloveCounts(mapping, converters[c]);
-      const ColumnScale scale = are_counts
-                                    ? ColumnScale{.factor = 1.0 / counts_per_rad}
-                                    : ScaleOf(mapping, {.low_counts = glove.low_counts[c],
-                                                        .high_counts = glove.high_counts[c]});
-      channels[c].parts.push_back({.column = mapping.column,
-                                   .factor = scale.factor * counts_per_rad,
-                                   .wraps_at = mapping.wraps_at});
+      const ColumnScale scale = ScaleOf(
+          mapping, {.low_counts = glove.low_counts[c], .high_counts = glove.high_counts[c]});
+      channels[c].push_back({.column = mapping.column,
+                             .factor = are_counts ? 1.0 : scale.factor * counts_per_rad,
+                             .wraps_at = mapping.wraps_at,
+                             .envelope_ms = mapping.envelope_ms});
       offset_rad += scale.offset_rad;
     }
-    if (channels[c].parts.empty()) missing.push_back(glove.channel_names[c]);
-    if (are_counts) continue;
-    channels[c].offset_counts =
+    if (channels[c].empty()) missing.push_back(glove.channel_names[c]);
+    if (are_counts || channels[c].empty()) continue;
+    channels[c].front().offset =
         glove.low_counts[c] + (offset_rad - glove.low_angle_rad[c]) * counts_per_rad;
   }
   if (!missing.empty()) {
@@ -151,8 +148,10 @@ void FrameChannels::Configure(const DeviceColumns& columns) {
     Fail(fmt::format("the map {} drives motors only once it is confirmed: {}", config_.map,
                      assumed));
   }
-  channels_ = std::move(channels);
-  remark_ = assumed;
+  channels_ = ChannelValues(std::move(channels));
+  std::vector<std::string> remarks = EnvelopesOf(map);
+  if (!assumed.empty()) remarks.push_back(assumed);
+  remark_ = fmt::format("{}", fmt::join(remarks, "; "));
 }
 
 }  // namespace gauntlet::sim

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "controller/controller_config.h"
-#include "controller/number.h"
 #include "sim/live/device/frame.h"
+#include "sim/recordings/channel_values.h"
 
 namespace gauntlet::sim {
 
@@ -20,7 +20,7 @@ struct FrameChannelsConfig {
 
 /// Columns of frames as counts of a glove's channels, by the same maps as recordings:
 ///
-///     angle_rad = sum of factor * value + offset_rad     over the columns of a channel
+///     angle_rad = as of ChannelValues
 ///     counts    = low_counts + (angle_rad - low_angle_rad) (high_counts - low_counts)
 ///                                                        / (high_angle_rad - low_angle_rad)
 ///
@@ -31,33 +31,23 @@ class FrameChannels {
  public:
   explicit FrameChannels(FrameChannelsConfig config);
 
-  /// Counts of every channel of a frame with these columns; NaN: no value. Valid until the next
-  /// call. Errors: UserError for columns that do not give every channel, with what to do.
-  std::span<const double> Counts(const DeviceColumns& columns, std::span<const double> values);
+  /// Counts of every channel of a frame with these columns, sent at `time_s` of any origin; NaN: no
+  /// value. Valid until the next call.
+  /// Errors: UserError for columns that do not give every channel, with what to do.
+  std::span<const double> Counts(const DeviceColumns& columns, double time_s,
+                                 std::span<const double> values);
 
   /// What the columns were taken for, in one line for a person; empty before the first frame.
   const std::string& remark() const { return remark_; }
 
  private:
-  struct Part {
-    std::size_t column = 0;
-    double factor = 1.0;  // counts per unit of the column
-    double wraps_at = 0.0;
-    double before = controller::kNaN;
-    double turned = 0.0;
-  };
-  struct ChannelParts {
-    std::vector<Part> parts;
-    double offset_counts = 0.0;
-  };
-
   void Configure(const DeviceColumns& columns);
   void TakeInOrder(const DeviceColumns& columns);
   [[noreturn]] void Fail(const std::string& problem) const;
 
   FrameChannelsConfig config_;
   int version_ = -1;
-  std::vector<ChannelParts> channels_;
+  ChannelValues channels_;
   std::vector<double> counts_;
   std::string remark_;
 };

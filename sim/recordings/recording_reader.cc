@@ -4,20 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/recordings/column_scale.h"
-#include "sim/recordings/turn_counter.h"
 #include "sim/tables/missing.h"
 #include "sim/tables/recording_problem.h"
 
 namespace gauntlet::sim {
 namespace {
 
-// A clock that goes back further than this was started anew; less is a row out of order.
-constexpr double kClockRestartS = 1.0;
 // Further outside the joint's range than this share of it no hand and no bad calibration gets.
 constexpr double kGlitchShare = 0.5;
 // Files are rounded: pi/2 as 1.571 is a hundredth of a degree more.
@@ -70,45 +68,31 @@ RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
   for (const ColumnMapping& mapping : map_.channels) {
     used[mapping.column] = true;
     has_channel_[mapping.channel] = true;
-    AddLinear(mapping, format);
   }
+  AddChannels(format);
   for (std::size_t column = 0; column < used.size(); ++column) {
     if (!used[column]) csv_->Ignore(column);
   }
 }
 
-void RecordingReader::AddLinear(const ColumnMapping& mapping, const RecordingFormat& format) {
-  const ColumnScale scale =
-      ScaleOf(mapping, format.nominal[PlaceInList(mapping.channel, format.nominal.size())]);
-  const std::size_t channel = mapping.channel;
-  // A sum ends with the last of its rows.
-  bool is_first = true;
-  for (Linear& before : channels_) {
-    if (before.channel != channel) continue;
-    before.is_last = false;
-    is_first = false;
+void RecordingReader::AddChannels(const RecordingFormat& format) {
+  keeps_to_range_ = format.keeps_to_range;
+  std::map<std::size_t, ChannelValues::Parts> parts;
+  for (const ColumnMapping& mapping : map_.channels) {
+    const ColumnScale scale =
+        ScaleOf(mapping, format.nominal[PlaceInList(mapping.channel, format.nominal.size())]);
+    std::erase(channels_, mapping.channel);
+    channels_.push_back(mapping.channel);
+    parts[mapping.channel].push_back({.column = mapping.column,
+                                      .factor = scale.factor,
+                                      .offset = scale.offset_rad,
+                                      .wraps_at = mapping.wraps_at,
+                                      .envelope_ms = mapping.envelope_ms});
   }
-  channels_.push_back({.column = mapping.column,
-                       .channel = channel,
-                       .is_first = is_first,
-                       .is_last = true,
-                       .factor = scale.factor,
-                       .offset_rad = scale.offset_rad,
-                       .keeps_to_range = format.keeps_to_range,
-                       .wraps_at = mapping.wraps_at});
-  if (mapping.envelope_ms == 0.0) return;
-  channels_.back().envelope.emplace(mapping.envelope_ms);
-  notes_.push_back(fmt::format(
-      "{} is the envelope of column {}: mean absolute value over {:g} ms, which lags by {:g} ms",
-      KnownChannels()[channel].name, mapping.column + 1, mapping.envelope_ms,
-      0.5 * mapping.envelope_ms));
-}
-
-double RecordingReader::Unwrapped(Linear& linear, double value) {
-  const double turned = linear.turned;
-  const double unwrapped = sim::Unwrapped(value, linear.wraps_at, linear.before, linear.turned);
-  if (linear.turned != turned) ++linear.jumps;
-  return unwrapped;
+  std::vector<ChannelValues::Parts> of_channels;
+  for (const std::size_t channel : channels_) of_channels.push_back(parts[channel]);
+  angles_ = ChannelValues(std::move(of_channels));
+  for (const std::string& envelope : EnvelopesOf(map_)) notes_.push_back(envelope);
 }
 
 RecordingReader::Count& RecordingReader::Note(RecordingProblem problem, std::size_t row) {
@@ -130,8 +114,8 @@ void RecordingReader::ReportHere(RecordingProblem problem, std::size_t column,
 void RecordingReader::Report(RecordingProblem problem, std::size_t row, std::size_t channel,
                              const std::string& message) {
   if (handling_ == ProblemHandling::kStrict) {
-    const auto linear = std::ranges::find(channels_, channel, &Linear::channel);
-    csv_->FailInRow(row, linear->column + 1, message);
+    const auto place = std::ranges::find(channels_, channel) - channels_.begin();
+    csv_->FailInRow(row, angles_.parts(place).front().column + 1, message);
   }
   ++Note(problem, row).rows_of_channel[channel];
 }
@@ -149,14 +133,14 @@ bool IsFarBeyondRange(const Channel& joint, double angle_rad) {
          kGlitchShare * (joint.max_deg - joint.min_deg);
 }
 
-void RecordingReader::CheckRange(const Linear& linear, double angle_rad) {
-  const Channel& joint = KnownChannels()[linear.channel];
+void RecordingReader::CheckRange(std::size_t channel, double angle_rad) {
+  const Channel& joint = KnownChannels()[channel];
   const double angle_deg = angle_rad * kDegPerRad;
   const double beyond_deg = BeyondRangeDeg(joint, angle_deg);
   const bool is_glitch = IsFarBeyondRange(joint, angle_rad);
-  if (!is_glitch && !(linear.keeps_to_range && beyond_deg > kRangeRounding_deg)) return;
+  if (!is_glitch && !(keeps_to_range_ && beyond_deg > kRangeRounding_deg)) return;
   Report(is_glitch ? RecordingProblem::kFarBeyondRange : RecordingProblem::kBeyondRange, row_,
-         linear.channel,
+         channel,
          fmt::format("{} is {:.6g} deg, the joint has {} to {} deg", joint.name, angle_deg,
                      joint.min_deg, joint.max_deg));
 }
@@ -195,7 +179,7 @@ bool RecordingReader::FixTime(double& time_s) {
   }
   const std::string message =
       fmt::format("the time is {} s, must be above {} s of the row before", time_s, last_time_s_);
-  if (step_s > -kClockRestartS) {
+  if (step_s > -kClockRestart_s) {
     ReportHere(step_s == 0.0 ? RecordingProblem::kRepeatedTime : RecordingProblem::kOutOfOrder,
                column, message);
     return false;
@@ -211,13 +195,13 @@ bool RecordingReader::FixTime(double& time_s) {
 bool RecordingReader::IsWildTime(double step_s) {
   // The longest way from one row to the next but one, also in a slow recording.
   const double longest_step_s = std::max(longest_gap_s_, 3.0 * last_step_s_);
-  const bool is_far = step_s > longest_step_s || step_s <= -kClockRestartS;
+  const bool is_far = step_s > longest_step_s || step_s <= -kClockRestart_s;
   if (!is_far || good_rows_ < 2) return false;
   if (!has_next_) {
     has_next_ = csv_->NextRow(next_values_);
     next_row_ = csv_->row();
   }
-  if (!has_next_) return std::abs(step_s) > kClockRestartS;
+  if (!has_next_) return std::abs(step_s) > kClockRestart_s;
   const double next_s = GivenTimeS(next_values_) + clock_offset_s_;
   const double next_step_s = next_s - last_time_s_;
   return next_step_s > 0.0 && next_step_s <= longest_step_s;
@@ -243,14 +227,10 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
     if (good_rows_++ > 0) last_step_s_ = now_s - last_time_s_;
     last_time_s_ = time_s = now_s;
     for (std::size_t c = 0; c < angle_rad.size(); ++c) angle_rad[c] = kMissing;
-    for (Linear& linear : channels_) {
-      double& angle = angle_rad[linear.channel];
-      double value = Unwrapped(linear, values_[linear.column]);
-      if (linear.envelope) value = linear.envelope->Step(now_s, value);
-      const double part = linear.factor * value + linear.offset_rad;
-      angle = linear.is_first ? part : angle + part;
-      if (!linear.is_last) continue;
-      CheckRange(linear, angle);
+    for (std::size_t i = 0; i < channels_.size(); ++i) {
+      double& angle = angle_rad[channels_[i]];
+      angle = angles_.Next(i, now_s, values_);
+      CheckRange(channels_[i], angle);
     }
     return true;
   }
@@ -261,11 +241,15 @@ std::vector<std::string> RecordingReader::Remarks() const {
   std::vector<std::string> remarks = notes_;
   remarks.insert(remarks.end(), csv_->remarks().begin(), csv_->remarks().end());
   for (const auto& [problem, count] : problems_) remarks.push_back(Remark(problem, count));
-  for (const Linear& linear : channels_) {
-    if (linear.jumps == 0) continue;
-    remarks.push_back(fmt::format(
-        "column {} jumps by {:g}: {} jump{} removed ({})", linear.column + 1, linear.wraps_at,
-        linear.jumps, linear.jumps == 1 ? "" : "s", KnownChannels()[linear.channel].name));
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    for (std::size_t k = 0; k < angles_.parts(i).size(); ++k) {
+      const std::size_t jumps = angles_.jumps(i, k);
+      if (jumps == 0) continue;
+      const ChannelValues::Part& part = angles_.parts(i)[k];
+      remarks.push_back(fmt::format("column {} jumps by {:g}: {} jump{} removed ({})",
+                                    part.column + 1, part.wraps_at, jumps, jumps == 1 ? "" : "s",
+                                    KnownChannels()[channels_[i]].name));
+    }
   }
   std::ranges::sort(remarks);
   for (std::string& remark : remarks) remark.insert(0, csv_->name() + ": ");

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "sim/base/channels.h"
+#include "sim/recordings/channel_values.h"
 #include "sim/recordings/column_map.h"
 #include "sim/recordings/column_scale.h"
-#include "sim/recordings/envelope.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/missing.h"
 
@@ -80,41 +80,25 @@ class RecordingReader {
     std::size_t first_row = 0;
     std::map<std::size_t, std::size_t> rows_of_channel = {};  // of a problem of single channels
   };
-  /// weight * unit(value): factor and offset to rad, found once.
-  struct Linear {
-    std::size_t column;
-    std::size_t channel;
-    bool is_first;  // of its channel
-    bool is_last;
-    double factor;
-    double offset_rad;
-    bool keeps_to_range;
-    double wraps_at;           // 0: does not
-    double before = kMissing;  // the last value
-    double turned = 0.0;       // added to values since the last jump
-    std::size_t jumps = 0;     // that were undone
-    std::optional<Envelope> envelope = std::nullopt;
-  };
-  /// The value of a column without its jumps.
-  static double Unwrapped(Linear& linear, double value);
-
   void ReportHere(RecordingProblem problem, std::size_t column, const std::string& message);
   std::string Remark(RecordingProblem problem, const Count& count) const;
   Count& Note(RecordingProblem problem, std::size_t row);
-  void CheckRange(const Linear& linear, double angle_rad);
+  void CheckRange(std::size_t channel, double angle_rad);
   bool ReadRow();
   /// In the file; NaN if a part of it is missing.
   double GivenTimeS(std::span<const double> values) const;
   bool FixTime(double& time_s);
   bool IsWildTime(double step_s);
-  void AddLinear(const ColumnMapping& mapping, const RecordingFormat& format);
+  void AddChannels(const RecordingFormat& format);
 
   ProblemHandling handling_;
   std::map<RecordingProblem, Count> problems_;
   std::vector<std::string> notes_;  // about the header, for a repair
   std::unique_ptr<CsvReader> csv_;
   ColumnMap map_;
-  std::vector<Linear> channels_;
+  std::vector<std::size_t> channels_;  // that the map gives, in the order of their last columns
+  ChannelValues angles_;               // of them [rad]
+  bool keeps_to_range_ = true;
   std::vector<bool> has_channel_;
   std::vector<OwnCounts> own_counts_;
   std::vector<double> values_;

@@ -206,6 +206,46 @@ TEST(FilterMap, GivesTheAnglesThatARecordingHasByIt) {
   }
 }
 
+TEST(FilterMap, GivesTheEnvelopeThatARecordingHasByIt) {
+  const std::string map =
+      "column,channel,unit,raw_low,raw_high,envelope_ms\nt,time,s,,,\nemg,index_mcp,counts,0,1,"
+      "50\n";
+  std::string input = "t,emg\n";
+  for (int k = 0; k < 300; ++k) {
+    input +=
+        fmt::format("{:.3f},{}\n", 1e-3 * k, (k % 2 == 0 ? 1.0 : -1.0) * (k < 150 ? 0.1 : 1.0));
+  }
+  const ProgramResult result = FilterMapped({"none"}, map, input);
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_THAT(result.standard_error, HasSubstr("index_mcp is the envelope of column 2"));
+  const TemporaryDirectory folder;
+  sim::RecordingFormat format;
+  format.map = (folder.path() / "map.csv").string();
+  std::ofstream(format.map) << map;
+  sim::RecordingReader reader("in.csv", sim::TextSource(input), format);
+  double time_s = 0.0;
+  double last_deg = 0.0;
+  std::vector<double> angle_rad(sim::KnownChannels().size());
+  std::istringstream lines(result.standard_output);
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "t,index_mcp_deg");
+  while (std::getline(lines, line)) {
+    ASSERT_TRUE(reader.NextRow(time_s, angle_rad));
+    last_deg = angle_rad[sim::ChannelIndex("index_mcp")] * sim::kDegPerRad;
+    EXPECT_NEAR(std::stod(line.substr(line.find(',') + 1)), last_deg, 1e-9) << line;
+  }
+  EXPECT_FALSE(reader.NextRow(time_s, angle_rad));
+  EXPECT_GT(last_deg, 20.0) << "a muscle that is active";
+
+  const std::string without_time =
+      map.substr(0, map.find("t,time")) + "2,index_mcp,counts,0,1,50\n";
+  const ProgramResult refused = FilterMapped({"none"}, without_time, input);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.standard_error, HasSubstr("envelope_ms: needs the times of the rows"));
+  EXPECT_EQ(FilterMapped({"none", "--set", "rate_hz=1000"}, without_time, input).exit_code, 0);
+}
+
 TEST(FilterErrors, RepeatLittleOfALongField) {
   GAUNTLET_LONG_TEST();
   const std::string garbage(100'000, 'x');

@@ -1,5 +1,6 @@
 #include "sim/live/frame_channels.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -8,8 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
+#include "sim/recordings/recording_reader.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {
@@ -29,7 +32,7 @@ FrameChannelsConfig TwoChannels() {
 std::string ProblemOf(const DeviceColumns& columns, const std::vector<double>& values) {
   FrameChannels channels(TwoChannels());
   try {
-    channels.Counts(columns, values);
+    channels.Counts(columns, 0.0, values);
   } catch (const UserError& error) {
     return error.what();
   }
@@ -41,7 +44,7 @@ TEST(FrameChannels, PassesCountsInTheirOrderBesideNumberAndTime) {
   const DeviceColumns columns{
       .names = {}, .count = 4, .number = 0, .time = {{.column = 1}}, .version = 1};
   const std::array values = {17.0, 0.5, 512.0, kNaN};
-  const auto counts = channels.Counts(columns, values);
+  const auto counts = channels.Counts(columns, 0.0, values);
   EXPECT_EQ(counts[0], 512.0);
   EXPECT_TRUE(std::isnan(counts[1]));
 }
@@ -50,7 +53,16 @@ TEST(FrameChannels, TakesChannelsByTheirNamesWhateverTheirOrder) {
   FrameChannels channels(TwoChannels());
   const DeviceColumns columns{
       .names = {"index_pip_counts", "index_mcp_deg"}, .count = 2, .version = 1};
-  const auto counts = channels.Counts(columns, std::array{300.0, 40.0});
+  const auto counts = channels.Counts(columns, 0.0, std::array{300.0, 40.0});
+  EXPECT_NEAR(counts[0], 500.0, 1e-9);
+  EXPECT_NEAR(counts[1], 300.0, 1e-9);
+}
+
+TEST(FrameChannels, LeavesOutAColumnWithoutANameBesideOthers) {
+  FrameChannels channels(TwoChannels());
+  const DeviceColumns columns{
+      .names = {"index_mcp_deg", "index_pip_counts", ""}, .count = 3, .version = 1};
+  const auto counts = channels.Counts(columns, 0.0, std::array{40.0, 300.0, kNaN});
   EXPECT_NEAR(counts[0], 500.0, 1e-9);
   EXPECT_NEAR(counts[1], 300.0, 1e-9);
 }
@@ -73,12 +85,44 @@ TEST(FrameChannels, TakesCountsOfEachChannelsOwnConverter) {
                               << "2,index_pip,counts," << bits << "\n";
     FrameChannels channels(config);
     const auto both =
-        channels.Counts({.names = {}, .count = 2, .version = 1}, std::array{700.0, -1700.0});
+        channels.Counts({.names = {}, .count = 2, .version = 1}, 0.0, std::array{700.0, -1700.0});
     EXPECT_EQ(both[0], 700.0);
     return both[1];
   };
   EXPECT_EQ(counts(12), -1700.0);
   EXPECT_NE(counts(10), -1700.0) << "counts of another converter";
+}
+
+TEST(FrameChannels, GivesTheEnvelopeThatARecordingHas) {
+  FrameChannelsConfig config = TwoChannels();
+  config.glove = {.channel_names = {"index_mcp"},
+                  .low_counts = {100.0},
+                  .high_counts = {900.0},
+                  .low_angle_rad = {0.0},
+                  .high_angle_rad = {80.0 * kRadPerDeg}};
+  const test::TemporaryDirectory folder;
+  config.map = (folder.path() / "map.csv").string();
+  std::ofstream(config.map) << "column,channel,unit,raw_low,raw_high,envelope_ms\n"
+                            << "1,time,s,,,\n2,index_mcp,counts,0,1,50\n";
+  FrameChannels channels(config);
+  const auto muscle = [](int k) { return (k % 2 == 0 ? 1.0 : -1.0) * (k < 150 ? 0.1 : 1.0); };
+  std::string text;
+  for (int k = 0; k < 300; ++k) text += fmt::format("{:.3f},{}\n", 1e-3 * k, muscle(k));
+  RecordingFormat format;
+  format.map = config.map;
+  RecordingReader reader("in.csv", TextSource(text), format);
+  std::vector<double> angle_rad(KnownChannels().size());
+  double time_s = 0.0;
+  double angle = 0.0;
+  const DeviceColumns columns{.names = {}, .count = 2, .time = {{.column = 0}}, .version = 1};
+  for (int k = 0; reader.NextRow(time_s, angle_rad); ++k) {
+    // The stamps of a session have another origin.
+    const auto counts = channels.Counts(columns, 77.0 + time_s, std::array{time_s, muscle(k)});
+    angle = angle_rad[ChannelIndex("index_mcp")];
+    ASSERT_NEAR((counts[0] - 100.0) / 800.0 * 80.0 * kRadPerDeg, angle, 1e-9) << k;
+  }
+  EXPECT_GT(angle, 20.0 * kRadPerDeg);
+  EXPECT_NE(channels.remark().find("is the envelope of column 2"), std::string::npos);
 }
 
 TEST(FrameChannels, NamesTheGloveThatTheColumnsWouldFit) {
