@@ -72,7 +72,7 @@ class AngleEstimator {
   void Filtered(std::span<const double> input, std::span<double> output) noexcept;
   /// From what is filtered to what is predicted, of all samples.
   void Finish(std::span<double> predicted_rad) noexcept;
-  /// Of one sample.
+  /// Prediction step of one sample.
   void Predict(std::span<double> angle_rad) noexcept;
   void HoldInactiveChannels(std::span<double> angle_rad) noexcept;
 

@@ -51,7 +51,7 @@ class GAUNTLET_API Controller {
   Controller(const ControllerConfig& config, const GloveCalibration& glove,
              const TendonTransmission& hand, const Timing& timing = {},
              const JointMapConfig& joint_map = {});
-  /// The same from one file of `gauntlet export`.
+  /// Controller from one file of `gauntlet export`.
   explicit Controller(const RobotConfig& robot);
   ~Controller();
   Controller(Controller&&) noexcept;
@@ -67,8 +67,8 @@ class GAUNTLET_API Controller {
   /// Resets filters, counters of untrusted samples and clocks. The motors stay at the last command.
   /// Inactive channels stay inactive and hold their joint there.
   void Reset() noexcept;
-  /// The same, with the motors at these counts. Call it before the first Step() if the hand is not
-  /// in its reference posture. With another number of values it is Reset().
+  /// As Reset(), with the motors at these counts. Call it before the first Step() if the hand is
+  /// not in its reference posture. With another number of values it is Reset().
   void Reset(std::span<const std::int32_t> motor_counts) noexcept;
 
   /// A controller with other settings for the same glove, hand and timing, for Swap(). Any thread
@@ -107,7 +107,7 @@ class GAUNTLET_API Controller {
   std::span<const double> target_angle_rad() const noexcept;
   /// Number of untrusted samples of each channel since Reset().
   std::span<const std::int64_t> untrusted_samples() const noexcept;
-  /// The same for one reason.
+  /// Number of untrusted samples of each channel since Reset() for one reason.
   std::span<const std::int64_t> untrusted_samples(Untrusted kind) const noexcept;
   /// Reason why the last Step() did not trust the value of a channel: of its sample, or `kMissing`
   /// if a sample was overdue. None if it was trusted, no sample was due, or the channel is out of

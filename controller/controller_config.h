@@ -21,7 +21,7 @@ namespace gauntlet::controller {
 inline constexpr int kLeastFrameNumberBits = 2;
 inline constexpr int kMostFrameNumberBits = 64;
 
-/// What is known of the glove: its channels, two known poses of each, and the converter's range.
+/// Calibration of the glove: its channels, two known poses of each, and the converter's range.
 ///
 ///     angle_rad = low_angle_rad + (counts - low_counts) (high_angle_rad - low_angle_rad)
 ///                                                      / (high_counts - low_counts)
@@ -46,7 +46,7 @@ struct GAUNTLET_API GloveCalibration {
 /// lists of another length.
 GAUNTLET_API std::vector<ConverterRange> ConvertersOf(const GloveCalibration& glove);
 
-/// What is known of the hand: how spools wind cables when joints turn.
+/// Transmission of the hand: how spools wind cables when joints turn.
 ///
 ///     spool_angle_rad = coupling (joint_angle_rad - reference_angle_rad)
 ///     motor_counts    = round(center_counts + counts_per_rad spool_angle_rad)
@@ -80,12 +80,12 @@ struct GAUNTLET_API TendonTransmission {
   void Visit(SettingsVisitor& visitor);
 };
 
-/// Where the filter sits: the paper filters raw counts.
+/// Place of the filter: the paper filters raw counts.
 enum class FilterOn { kCounts, kAngle };
 /// When the filter steps: at every sample, or once per command frame.
 enum class FilterAt { kSample, kEvent };
 
-/// What a person chooses. All other facts come from the glove and the hand.
+/// Settings that a person chooses. All other facts come from the glove and the hand.
 struct GAUNTLET_API ControllerConfig {
   std::vector<FilterConfig> filters;  // applied in this order; empty is `none`
   FilterOn filter_on = FilterOn::kCounts;

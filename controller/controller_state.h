@@ -18,7 +18,7 @@
 
 namespace gauntlet::controller {
 
-/// What a controller is connected to, owned by its states and by those that are prepared for it.
+/// Connections of a controller, owned by its states and by those that are prepared for it.
 struct __attribute__((visibility("hidden"))) Controller::Robot
     : public std::enable_shared_from_this<Robot> {
   explicit Robot(const RobotConfig& connections) : config(connections) {}
@@ -28,7 +28,7 @@ struct __attribute__((visibility("hidden"))) Controller::Robot
 
 /// The stages of a controller and what flows between them.
 struct __attribute__((visibility("hidden"))) Controller::State {
-  /// What `connected_to` describes, controlled as `config` says.
+  /// State for the robot of `connected_to`, controlled as `config` says.
   State(std::shared_ptr<const Robot> connected_to, const ControllerConfig& config)
       : State(connected_to->config, config) {
     robot = std::move(connected_to);
@@ -50,7 +50,7 @@ struct __attribute__((visibility("hidden"))) Controller::State {
 
   std::shared_ptr<const Robot> robot;  // never changes
 
-  // What was chosen.
+  // Chosen stages and settings.
   FilterAt filter_at;
   JointMap joint_map;
   SampleGuard guard;
@@ -64,7 +64,7 @@ struct __attribute__((visibility("hidden"))) Controller::State {
   double lost_step_rad;          // that a lost channel moves per event
   std::vector<double> rest_rad;  // per channel, of the reference posture
 
-  // What flows.
+  // Signals between the stages.
   bool judged = false;  // the last tick had a sample, or one was overdue
   PeriodicClock event_clock;
   std::vector<double> linearised_rad;  // per channel, not filtered

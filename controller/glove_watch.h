@@ -23,14 +23,14 @@ class GloveWatch {
 
   /// A tick begins, with a sample or without one. True: a sample is overdue.
   bool Tick(bool has_sample) noexcept;
-  /// What the guard says of the sample of this tick.
+  /// Takes the guard's results for the sample of this tick.
   void Take(const SampleGuard& guard) noexcept;
   /// As new.
   void Reset() noexcept;
   /// Goes on where another watch of the same glove stands. Settings stay.
   void TakeMemory(GloveWatch& from) noexcept;
 
-  /// Whether channels can be lost.
+  /// True if channels can be lost.
   bool on() const noexcept { return lost_ticks_ < std::numeric_limits<double>::infinity(); }
   bool too_often() const noexcept { return too_often_; }
   /// Since the last trusted value of the channel, or Reset() if there was none.

@@ -45,7 +45,7 @@ class JointLoop {
 
   bool on() const noexcept { return config_.kind != JointLoopKind::kNone; }
 
-  /// What the joint sensors say; NaN for a joint that cannot be read.
+  /// Takes the angles of the joint sensors; NaN for a joint that cannot be read.
   void Take(std::span<const double> measured_rad) noexcept;
   /// One event.
   void Step(std::span<const double> target_rad, std::span<double> corrected_rad) noexcept;

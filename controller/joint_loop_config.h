@@ -9,7 +9,7 @@ namespace gauntlet::controller {
 
 enum class JointLoopKind { kNone, kPi };
 
-/// What the controller does with the joint angles that a hand measures, see JointLoop.
+/// Control loop on the joint angles that a hand measures, see JointLoop.
 struct GAUNTLET_API JointLoopConfig {
   JointLoopKind kind = JointLoopKind::kNone;
   // Gains and limit: orcahand/orca_core PR #85, tuned on a hand of cables.

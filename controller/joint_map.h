@@ -11,7 +11,7 @@ namespace gauntlet::controller {
 
 struct TendonTransmission;
 
-/// Where one joint of the hand gets its angle from.
+/// Source of the angle of one joint of the hand.
 ///
 ///     joint_angle = offset + sum_i weight_i channel_angle_i
 ///
@@ -26,9 +26,9 @@ struct GAUNTLET_API JointSource {
   void Visit(SettingsVisitor& visitor);
 };
 
-/// What a person says of the way from the glove's channels to the hand's joints. A joint that is
-/// not named here follows the channel of its own name; where the glove has none it keeps its
-/// reference angle.
+/// Map from the glove's channels to the hand's joints, as a person sets it. A joint that is not
+/// named here follows the channel of its own name; where the glove has none it keeps its reference
+/// angle.
 struct GAUNTLET_API JointMapConfig {
   std::vector<JointSource> joints;
 
@@ -61,7 +61,7 @@ class GAUNTLET_API JointMap {
   /// The two parts of a joint's angle.
   double offset_rad(int joint) const noexcept { return joints_[Place(joint)].offset_rad; }
   std::span<const Term> terms(int joint) const noexcept { return joints_[Place(joint)].terms; }
-  /// Whether any channel moves this joint; else it holds one posture.
+  /// True if any channel moves this joint; else it holds one posture.
   bool measured(int joint) const noexcept { return !joints_[Place(joint)].terms.empty(); }
   /// The posture of the glove that lets each joint rest at `joint_angle_rad` as far as one channel
   /// decides it; a channel that decides none keeps its value.

@@ -20,7 +20,7 @@ inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// the range of a double. The locale does not matter.
 GAUNTLET_API std::optional<double> ParseNumber(std::string_view text);
 
-/// The same for a whole number from `low` to `high`, which are at most 2^53 from 0: `12` or `1e3`.
+/// As ParseNumber(), for a whole number from `low` to `high`, at most 2^53 from 0: `12` or `1e3`.
 GAUNTLET_API std::optional<std::int64_t> ParseWholeNumber(std::string_view text, std::int64_t low,
                                                           std::int64_t high);
 

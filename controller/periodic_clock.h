@@ -16,7 +16,7 @@ class PeriodicClock {
     GAUNTLET_ASSERT(period_ticks > 0.0);
   }
 
-  /// Whether it happens at this tick; the next call is about the next tick.
+  /// True if it happens at this tick; the next call is about the next tick.
   bool Tick() noexcept {
     const auto now = static_cast<double>(tick_++);
     if (now < next_) return false;

@@ -185,7 +185,7 @@ class SettingReader final : public SettingsVisitor {
     path += key;
     return path;
   }
-  /// Whether the setting comes next. False: it keeps its default.
+  /// True if the setting comes next. False: it keeps its default.
   bool Has(const Setting& setting) {
     at_ = place_;
     if (absent_groups_ == 0 && place_ < settings_.size() && settings_[place_].key == setting.key) {
@@ -214,7 +214,7 @@ class SettingReader final : public SettingsVisitor {
     if (!next.is_text) throw SettingError(std::string(key), "must be a text");
     return next.text;
   }
-  /// Of a list, whose items follow: there cannot be more than there are settings left.
+  /// Size of a list, whose items follow: there cannot be more than there are settings left.
   std::size_t NextSize(std::string_view key) {
     const double size = NextNumber(key);
     const auto left = static_cast<double>(settings_.size() - place_);
@@ -303,7 +303,7 @@ class TextParser {
     TakeCharacter();
     return text;
   }
-  /// What follows a backslash: three octal digits of a byte, or a character that is meant itself.
+  /// Character behind a backslash: three octal digits of a byte, or one that is meant itself.
   char TakeEscaped() {
     constexpr int kOctal = 8;
     const std::string_view digits = rest_.substr(0, 3);

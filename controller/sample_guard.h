@@ -45,7 +45,7 @@ class SampleGuard {
   }
   /// A sample that was due did not come.
   void Miss() noexcept;
-  /// Whether the last sample, or absence of one, has a value of this channel that is trusted.
+  /// True if the last sample, or absence of one, has a value of this channel that is trusted.
   bool trusted(std::size_t channel) const noexcept { return all_trusted_ || held_[channel] == 0; }
   bool all_trusted() const noexcept { return all_trusted_; }
   /// Reason why it is not trusted; none if it is.

@@ -46,7 +46,7 @@ enum class Untrusted {
 };
 inline constexpr int kUntrustedKinds = 7;
 
-/// What a controller knows of its glove, the worst that holds of an active channel.
+/// Status of a glove: the worst that holds of an active channel.
 enum class GloveStatus {
   kGood,      // every value of the last sample is trusted, and none is overdue
   kHeld,      // a channel holds its last trusted value
@@ -54,8 +54,8 @@ enum class GloveStatus {
   kLost,      // a channel is lost, see SampleGuardConfig
 };
 
-/// Where the joint of a lost channel goes: to the last trusted value, without what a prediction was
-/// ahead of it; or to the reference posture.
+/// Target of the joint of a lost channel: the last trusted value, without what a prediction was
+/// ahead of it; or the reference posture.
 enum class WhenLost { kHold, kRest };
 
 /// Conditions for an untrusted value, in addition to missing values and values outside the range.

@@ -149,7 +149,7 @@ void VisitOptional(SettingsVisitor& visitor, const Setting& setting, std::option
   if (!value) value.emplace();
   show(*value);
 }
-/// The same for a config struct nested under a key.
+/// Config struct, nested under a key, that is absent unless a file has it.
 template <class Config>
 void VisitOptionalGroup(SettingsVisitor& visitor, const Setting& setting,
                         std::optional<Config>& config) {

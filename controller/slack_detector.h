@@ -9,7 +9,7 @@
 
 namespace gauntlet::controller {
 
-/// What a SlackDetector knows beforehand.
+/// Settings of a SlackDetector.
 struct GAUNTLET_API SlackDetectorConfig {
   /// Per motor, what friction_nm() said when the cables were as they should be.
   std::vector<double> healthy_friction_nm = {0.0};

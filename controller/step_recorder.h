@@ -50,7 +50,7 @@ class GAUNTLET_API StepRecorder {
            const Command& command) noexcept {
     return Keep(&sample, controller, command);
   }
-  /// The same for a tick without a sample.
+  /// Adds the step of a tick without a sample, likewise.
   bool Add(const Controller& controller, const Command& command) noexcept {
     return Keep(nullptr, controller, command);
   }

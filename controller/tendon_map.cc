@@ -94,7 +94,7 @@ double ClampOr(double value, double low, double high, double otherwise) {
   return value < low ? low : otherwise;
 }
 
-/// Where the cables of a motor are meant to move a joint and do not only pass it: 1, else 0.
+/// Motors x joints: 1 if a motor's cables are meant to move a joint, not only to pass it; else 0.
 Eigen::MatrixXd MeantToMove(const TendonTransmission& hand) {
   const auto motors = static_cast<Eigen::Index>(hand.motor_names.size());
   const auto joints = static_cast<Eigen::Index>(hand.joint_names.size());

@@ -10,7 +10,7 @@
 
 namespace gauntlet::python {
 
-/// What long work reports to its caller, from any thread.
+/// Reports of long work to its caller, from any thread.
 class LongWork {
  public:
   /// False: the caller wants it to stop.

@@ -69,7 +69,7 @@ sim::Scenario ReadScenario(const sim::ScenarioSource& source, const StudyRequest
   return scenario;
 }
 
-/// The same steps as of `gauntlet run` and `compare`.
+/// Runs a study in the same steps as `gauntlet run` and `compare`.
 void RunStudy(const StudyRequest& request, LongWork& work, sim::FinishedStudy& finished) {
   const OwnFiltersOfCall own_filters(request.own_filters);
   const sim::CauseSeeds causes = CausesOf(request.causes);
@@ -142,7 +142,7 @@ py::dict TraceOf(const Finished& finished, std::size_t controller) {
   return signals;
 }
 
-/// What all controllers share, likewise.
+/// Signals that all controllers share, likewise.
 py::dict SharedSignalsOf(const Finished& finished) {
   const sim::GloveSignal& glove = *finished->result.first_glove;
   py::dict signals;

@@ -60,7 +60,7 @@ static_assert(static_cast<int>(gc::Untrusted::kMissing) == GAUNTLET_UNTRUSTED_MI
               static_cast<int>(gc::Untrusted::kStale) == GAUNTLET_UNTRUSTED_STALE &&
               gc::kUntrustedKinds == GAUNTLET_UNTRUSTED_STALE + 1);
 
-/// Whether both are connected to the same.
+/// True if both have the same glove, hand, timing and joint map.
 bool SameConnections(const gc::RobotConfig& a, const gc::RobotConfig& b) {
   const auto glove = [](const gc::GloveCalibration& g) {
     return std::tie(g.channel_names, g.low_counts, g.high_counts, g.low_angle_rad, g.high_angle_rad,
@@ -84,7 +84,7 @@ bool SameConnections(const gc::RobotConfig& a, const gc::RobotConfig& b) {
          std::ranges::equal(a.joint_map.joints, b.joint_map.joints, same_source);
 }
 
-/// What `make` makes of the settings; null, with one line of what is wrong, if it throws.
+/// Controller that `make` builds from the settings; null, with the error in one line, if it throws.
 template <class Make>
 gauntlet_controller* Made(const char* settings, std::size_t settings_length, char* error,
                           std::size_t error_size, const Make& make) {

@@ -5,7 +5,7 @@
 
 namespace gauntlet::controller {
 
-/// What noise of one channel is like, from stretches in which only noise changes its values.
+/// Noise of one channel, from stretches in which only noise changes its values.
 ///
 ///     c_l = correlation of samples that are l apart
 ///     a mean of n samples has the variance V(n) variance / n, V(n) = 1 + 2 sum of (1 - l/n) c_l

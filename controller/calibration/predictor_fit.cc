@@ -30,7 +30,7 @@ struct Regressor {
   std::vector<Term> terms;  // none: 1
 };
 
-/// Where the samples of one fit lie, and what is looked at.
+/// Places of the samples of one fit, and its regressors.
 struct Geometry {
   Index channel;
   int order;
@@ -77,7 +77,7 @@ Eigen::MatrixXd MeansOf(const Eigen::MatrixXd& recording, Index tap) {
   return means / static_cast<double>(tap);
 }
 
-/// What least squares need of one channel: sums over samples.
+/// Moments of one channel for least squares: sums over samples.
 struct Moments {
   explicit Moments(Index weights)
       : of_past(Eigen::MatrixXd::Zero(weights, weights)),
@@ -112,7 +112,7 @@ struct Averaged {
   Eigen::MatrixXd means;
 };
 
-/// Of `count` samples of a recording, from number `begin` on.
+/// Moments of `count` samples of a recording, from number `begin` on.
 Moments MomentsOf(const Averaged& recording, const Geometry& g, Index begin, Index count) {
   constexpr Index kBlock = 1024;  // rows, so that an hour's recording needs no gigabytes
   const auto rows_at = [&](const auto& column, Index first, Index rows) {
@@ -147,7 +147,7 @@ Moments MomentsOf(const Averaged& recording, const Geometry& g, Index begin, Ind
 
 constexpr int kFolds = 5;
 
-/// Of each fifth of the samples.
+/// Moments of each fifth of the samples.
 std::vector<Moments> MomentsOfFifths(std::span<const Averaged> recordings, const Geometry& g) {
   std::vector<Moments> folds(kFolds, Moments(g.weights()));
   Index all = 0;
@@ -185,7 +185,7 @@ Eigen::ArrayXd NoiseOf(std::span<const Eigen::MatrixXd> recordings) {
   return squares / (6.0 * differences);
 }
 
-/// What white noise adds to the means of p p' and p t, as if there were `caution` times as much.
+/// Effect of white noise on the means of p p' and p t, as if there were `caution` times as much.
 struct AddedNoise {
   AddedNoise(const Geometry& g, const Eigen::ArrayXd& variance, double caution)
       : of_past(Eigen::MatrixXd::Zero(g.weights(), g.weights())),
@@ -295,7 +295,7 @@ void CheckSamples(double fitted, const Geometry& geometry) {
                          std::to_string(kLeastPerWeight * geometry.weights()));
 }
 
-/// What is fitted, channel by channel.
+/// Fits of all recordings, channel by channel.
 class Fits {
  public:
   Fits(std::span<const Eigen::MatrixXd> recordings, double rate_hz,

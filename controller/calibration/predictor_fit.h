@@ -16,7 +16,7 @@ struct PredictorFit {
   Eigen::ArrayXd noise_variance;  // [unit^2]
   Eigen::ArrayXd hold_rms;        // of z(k + h) - z(k), noise included [unit]
   Eigen::ArrayXd fit_rms;         // of z(k + h) - y(k), on the data of the fit [unit]
-  // The same of each fifth of the data by weights that were fitted to the others; NaN where they
+  // As fit_rms, of each fifth of the data by weights that were fitted to the others; NaN where they
   // determine none.
   Eigen::ArrayXd held_out_rms;
 };
@@ -49,7 +49,7 @@ using RecordedMotion = std::vector<Eigen::MatrixXd>;
 PredictorFit FitPredictor(std::span<const Eigen::MatrixXd> recordings, double rate_hz,
                           const FittedToOthersPredictionConfig& wanted);
 
-/// Of recordings that may be others than those of the fit: samples x channels each, in its unit.
+/// Errors on recordings, perhaps others than those of the fit: samples x channels, in its unit.
 /// Errors: SettingError for recordings of other numbers of channels, or that are too short.
 PredictionErrors JudgePredictor(const FittedPredictionConfig& predictor,
                                 std::span<const Eigen::MatrixXd> recordings, double rate_hz);

@@ -70,7 +70,7 @@ double LogLikelihood(const Histogram& histogram, double sigma) {
   return std::max(at_a, at_b);
 }
 
-/// What is searched: deviations from that below which rounding hides everything, in steps.
+/// Searched deviations, in steps; below the lowest, rounding hides everything.
 constexpr double kLowest = 0.02;
 constexpr double kHighest = 2.0;
 constexpr int kGrid = 60;
@@ -92,7 +92,7 @@ class Profile {
     }
     return sum;
   }
-  /// Where it falls to `least`, between a place above and one that is below.
+  /// Place at which it falls to `least`, between one above and one below.
   double Crossing(double inside, double outside, double least) const {
     for (int i = 0; i < 30; ++i) {
       const double middle = 0.5 * (inside + outside);

@@ -87,8 +87,8 @@ std::array<double, 4> SquaresWhereQuiet(const Eigen::Ref<const Eigen::VectorXd>&
   return squares;
 }
 
-/// For noise with correlation c(l) the mean square at distance l is D(l) = 2 variance (1 - c(l)).
-/// Of noise that falls as c = s p^n at n lags, with white noise on top (a share of 1 - s),
+/// Noise with correlation c(l) has the mean square D(l) = 2 variance (1 - c(l)) at distance l. If
+/// it falls as c = s p^n at n lags, with white noise on top (a share of 1 - s),
 ///
 ///     (D(4 lags) - D(2 lags)) / (D(2 lags) - D(lag)) = p (1 + p)
 ///     D(2 lags) - D(lag) = 2 variance s p (1 - p)

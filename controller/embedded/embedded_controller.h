@@ -26,7 +26,7 @@ struct Prediction {
 template <std::size_t Channels>
 struct Prediction<Channels, 0> {};
 
-/// What the bank keeps.
+/// State of the bank.
 template <std::size_t Channels, std::size_t Steps>
 struct PredictionState {
   static constexpr std::size_t kFilters = Prediction<Channels, Steps>::kFilters;
@@ -44,7 +44,7 @@ struct PredictionState {
 template <std::size_t Channels>
 struct PredictionState<Channels, 0> {};
 
-/// What `gauntlet export --embedded` writes. Belongs into read-only memory.
+/// Settings that `gauntlet export --embedded` writes. They belong into read-only memory.
 ///
 /// Shapes: as the arrays say. Units: counts of the converter, rad, motor counts, samples or ticks.
 template <std::size_t Channels, std::size_t Joints, std::size_t Motors, std::size_t Corners,
@@ -232,7 +232,7 @@ class Controller {
     return settings_.corner_counts[i][piece] +
            (angle_rad - corner[piece]) / settings_.rad_per_count[i][piece];
   }
-  /// Of a channel whose joint is at joint_rad_.
+  /// Counts of a channel whose joint is at joint_rad_.
   float StartCounts(std::size_t i) const noexcept {
     if (settings_.joint_of_channel[i] < 0) return settings_.start_counts[i];
     const auto j = static_cast<std::size_t>(settings_.joint_of_channel[i]);
@@ -241,7 +241,7 @@ class Controller {
     return Clamp(CountsOf(i, angle_rad), settings_.min_counts[i], settings_.full_scale_counts[i]);
   }
 
-  /// What the filter sees.
+  /// Input of the filter: counts, or an angle [rad].
   float Measured(std::size_t i) const noexcept {
     const float counts = channels_[i].trusted;
     return settings_.filter_angles ? AngleOf(i, counts) : counts;

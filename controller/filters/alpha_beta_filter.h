@@ -26,7 +26,7 @@ struct GAUNTLET_API AlphaBetaConfig {
   void Visit(SettingsVisitor& visitor);
 };
 
-/// The same with the acceleration as a third state.
+/// Position, velocity and, as a third state, acceleration with constant gains.
 ///
 ///     x^- = x + v + a/2,  v^- = v + a,  e = z - x^-
 ///     x = x^- + alpha e,  v = v^- + beta e,  a = a + 2 gamma e

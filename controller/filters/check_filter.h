@@ -7,8 +7,8 @@
 
 namespace gauntlet::controller {
 
-/// What every function that makes a filter refuses: settings out of their range, no channels, and a
-/// rate that is no rate. Errors: SettingError.
+/// Checks of every function that makes a filter: settings in their range, at least one channel, and
+/// a valid rate. Errors: SettingError.
 template <class Config>
 void CheckFilter(const Config& config, int channel_count, double rate_hz) {
   CheckSettings(config);

@@ -67,7 +67,7 @@ struct GAUNTLET_API FilterConfig {
 /// All kinds that this library computes, in the order of every list and table.
 using FilterKind = Kind<FilterConfig>;
 GAUNTLET_API std::span<const FilterKind> FilterKinds();
-/// The same and, at the end, `external`, which only a caller can make.
+/// These kinds and, at the end, `external`, which only a caller can make.
 GAUNTLET_API std::span<const FilterKind> AllFilterKinds();
 
 }  // namespace gauntlet::controller

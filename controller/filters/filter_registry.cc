@@ -46,7 +46,7 @@ std::vector<int> ChannelsOf(const FilterConfig& config, std::span<const std::str
   return channels;
 }
 
-/// Of channels that all have the filter.
+/// Filter of channels that all have it.
 std::unique_ptr<Filter> MakeOfAll(const FilterConfig& config, std::span<const std::string> names,
                                   double rate_hz) {
   const auto count = static_cast<int>(names.size());

@@ -15,11 +15,11 @@ namespace gauntlet::controller {
 GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const FilterConfig& config,
                                                 std::span<const std::string> channel_names,
                                                 double rate_hz);
-/// The same for channels that have only numbers.
+/// Filter for channels that have only numbers. Errors: as above.
 GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const FilterConfig& config, int channel_count,
                                                 double rate_hz);
 
-// The same for each kind.
+// Filter of each kind.
 GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const NoFilterConfig& config, int channel_count,
                                                 double rate_hz);
 GAUNTLET_API std::unique_ptr<Filter> MakeFilter(const MovingAverageConfig& config,

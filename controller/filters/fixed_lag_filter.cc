@@ -17,7 +17,7 @@
 namespace gauntlet::controller {
 namespace {
 
-/// What the sample of this moment starts with: the prediction [x^-] and its covariance.
+/// Start of the sample of this moment: the prediction [x^-] and its covariance.
 GAUNTLET_VECTORISED void OpenSlot(const double* x, const double* w, const double* p11,
                                   const double* p12, const double* p22, const double* q,
                                   ProcessNoiseFactors f, double* estimate, double* c1, double* c2,

@@ -15,8 +15,8 @@
 namespace gauntlet::controller {
 namespace {
 
-/// What is kept per channel: the arrays of the filter itself, then what it has seen of the
-/// innovations, then the limits of learning.
+/// Arrays of one value per channel: those of the filter itself, then statistics of the innovations,
+/// then the limits of learning.
 enum Array {
   kBefore = kKalmanArrays2,  // the last innovation
   kC0,

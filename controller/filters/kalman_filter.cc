@@ -35,8 +35,8 @@ constexpr Layout kLayout3 = {
     3, kKalmanArrays3, kP11Of3, kK1Of3, kROf3, kQOf3, {kP11Of3, kP22Of3, kP33Of3}, StepCovariance3};
 
 /// A covariance that a step changes by no more than this share has settled: what moves is rounding.
-/// Of q from 1e-12 to 1e8 and r from 0.01 to 3000 all come down to 2 epsilon with two states and to
-/// 4 with three; fewer leave some that go round for ever.
+/// With q from 1e-12 to 1e8 and r from 0.01 to 3000 all come down to 2 epsilon with two states and
+/// to 4 with three; fewer leave some that go round for ever.
 constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
 
 GAUNTLET_VECTORISED void MarkMoving(const double* before, const double* now, double* moving,

@@ -9,8 +9,8 @@ namespace gauntlet::controller {
 /// triangle), gain, measurement variance, q.
 enum KalmanArray2 { kX, kW, kP11, kP12, kP22, kK1, kK2, kR, kQ, kKalmanArrays2 };
 
-/// The same with the acceleration per step squared as a third state. Begins like KalmanArray2 with
-/// position and velocity.
+/// Arrays of a Kalman filter with the acceleration per step squared as a third state. Begins like
+/// KalmanArray2 with position and velocity.
 enum KalmanArray3 {
   kAcceleration3 = 2,
   kP11Of3,
@@ -36,7 +36,7 @@ struct States2 {
   double *x, *w;
   const double *k1, *k2;
 };
-/// The same with acceleration.
+/// Position, velocity and acceleration of every channel, and their gains.
 struct States3 {
   double *x, *w, *a;
   const double *k1, *k2, *k3;

@@ -10,7 +10,7 @@
 
 namespace gauntlet::controller {
 
-/// What all Kalman filters are told of the noise: R and Q, one value for all channels or one each.
+/// Noise settings of all Kalman filters: R and Q, one value for all channels or one each.
 struct GAUNTLET_API KalmanNoise {
   std::vector<double> r = PaperMeasurementVariance();
   std::vector<double> q = {1.0};
@@ -20,7 +20,7 @@ struct GAUNTLET_API KalmanNoise {
   void Visit(SettingsVisitor& visitor);
 };
 
-/// Whether `r` was left as it is by default: the paper's, for 18 channels in counts.
+/// True if `r` is the default: the paper's, for 18 channels in counts.
 GAUNTLET_API bool IsDefaultMeasurementVariance(const std::vector<double>& r);
 
 /// The measurement variance among the settings of a filter; null where it has none.

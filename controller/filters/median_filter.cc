@@ -12,7 +12,7 @@
 namespace gauntlet::controller {
 namespace {
 
-/// What both filters share: the window.
+/// Window that both filters share.
 class SortedWindowFilter : public Filter {
  public:
   void Reset() noexcept final { window_.Reset(); }

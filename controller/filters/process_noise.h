@@ -8,7 +8,7 @@
 
 namespace gauntlet::controller {
 
-/// What the covariance Q of a Kalman filter's motion model means.
+/// Meaning of the covariance Q of a Kalman filter's motion model.
 ///
 /// kIdentity: Q = q I per step, the paper's form; another rate makes it another filter.
 /// kWhite: the highest derivative of the state is driven by continuous white noise of density q

@@ -7,8 +7,8 @@
 
 namespace gauntlet::controller {
 
-/// What filters share whose whole memory is a few numbers per channel: each channel starts by
-/// itself, at its first sample or at zero.
+/// Base of filters whose whole memory is a few numbers per channel: each channel starts by itself,
+/// at its first sample or at zero.
 class RecursiveFilter : public Filter {
  public:
   void Reset() noexcept final;

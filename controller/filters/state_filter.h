@@ -11,7 +11,7 @@
 
 namespace gauntlet::controller {
 
-/// What the Kalman filters share: a channel's first sample is its first estimate, exactly, and what
+/// Base of the Kalman filters: a channel's first sample is its first estimate, exactly, and what
 /// the step made of it is overwritten. (RecursiveFilter settles at that sample, then steps.)
 ///
 /// `Interface` is Filter, or one that derives from it.

@@ -28,8 +28,8 @@ namespace gauntlet::controller {
 /// kept dead_time ahead, where the commands that are on their way have arrived. It follows what
 /// motors were really told (Sent()), rounded and limited, and needs no joint sensors.
 ///
-/// Where no plan is found within `iterations`, the joint's last command stays, which is within all
-/// limits, and is counted.
+/// If no plan is found within `iterations`, the joint's last command stays, which is within all
+/// limits, and the failure is counted.
 ///
 /// Source: Maciejowski, Predictive Control with Constraints (2002), chapters 2 and 3.
 /// Units: rad. Shapes: one value per joint.
@@ -46,8 +46,8 @@ class ModelPredictive {
   /// One event. `path_rad`: path_length() rows with a value per joint; between two of them the
   /// wearer is on the parabola through the three that are nearest.
   void Step(std::span<const double> path_rad, std::span<double> command_rad) noexcept;
-  /// What was made of the commands on their way to the motors: the hand is sent to `sent_rad`
-  /// instead of `wanted_rad`. NaN: not known, so as wanted.
+  /// Takes the commands as they reached the motors: the hand is sent to `sent_rad` instead of
+  /// `wanted_rad`. NaN: not known, so as wanted.
   void Sent(std::span<const double> wanted_rad, std::span<const double> sent_rad) noexcept;
   /// As new, the hand long since here.
   void Reset(std::span<const double> angle_rad) noexcept;
@@ -79,7 +79,7 @@ class ModelPredictive {
 
   Joint MakeJoint(double dead_time_s, double lag_s, double frequency_hz, double min_rad,
                   double max_rad) const;
-  /// Whether there is a plan; its first command becomes the joint's last.
+  /// True if there is a plan; its first command becomes the joint's last.
   bool Plan(Joint& joint, std::size_t index, std::span<const double> path_rad,
             Memory& memory) noexcept;
 

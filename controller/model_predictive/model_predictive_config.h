@@ -9,7 +9,7 @@ namespace gauntlet::controller {
 
 enum class ModelPredictiveKind { kNone, kSecondOrder };
 
-/// What is known of the way from a command to the angle of a joint, and how commands are planned
+/// Model of the way from a command to the angle of a joint, and settings of the plan of commands
 /// for it, see ModelPredictive.
 struct GAUNTLET_API ModelPredictiveConfig {
   ModelPredictiveKind kind = ModelPredictiveKind::kNone;

@@ -33,11 +33,11 @@ class PlanSolver {
   int step_count() const noexcept { return static_cast<int>(inverse_.rows()); }
   int limit_count() const noexcept { return 2 * step_count() - 1; }
 
-  /// Whether `plan` is the solution now. It is left as it was if no plan keeps all limits, or none
+  /// True if `plan` is the solution now. It is left as it was if no plan keeps all limits, or none
   /// was found by adding and dropping limits `most_iterations` times. Does not allocate.
   bool Solve(const PlanVector& g, const PlanLimits& low, const PlanLimits& high,
              int most_iterations, PlanVector& plan) noexcept;
-  /// What the last call has taken.
+  /// Number of iterations of the last call.
   int iterations() const noexcept { return iterations_; }
   /// The next call starts without limits.
   void Reset() noexcept { active_count_ = 0; }
@@ -53,7 +53,7 @@ class PlanSolver {
   double Side(int i) const noexcept { return active_[static_cast<std::size_t>(i)].side; }
   double& Multiplier(int i) noexcept { return active_[static_cast<std::size_t>(i)].multiplier; }
   void Drop(int i) noexcept;
-  /// What active limits cost each other, factorised: x for  N' inv(H) N x = right.
+  /// Solution of the system of active limits, factorised: x for  N' inv(H) N x = right.
   PlanVector SolveActive(const PlanVector& right) const noexcept;
   void StartFromLast(const PlanLimits& low, const PlanLimits& high) noexcept;
   /// Adds a limit that is missed; false: without an end.

@@ -40,7 +40,7 @@ std::array<Expert, kExperts> Experts() {
            {Swing(3.0, kDamping, 1e5, 300.0)}}};
 }
 
-/// What one filter of the bank keeps per channel of the first row: its state and its gain.
+/// Values of one filter of the bank per channel of the first row: its state and its gain.
 enum FilterValue { kX0, kX1, kX2, kGain0, kGain1, kGain2, kFilterValues };
 struct FilterArrays {
   double *x0, *x1, *x2;
@@ -63,8 +63,8 @@ struct Transition {
   double h0, h1;  // no model has its third state in the angle
 };
 
-/// What a filter at this state expects so far ahead as place `j` of the rows looks, and its share
-/// of the mixture.
+/// Expected value of a filter at this state, as far ahead as place `j` of the rows looks, and its
+/// share of the mixture.
 inline void Look(const RowArrays& row, int j, double forget, double measured, double x0, double x1,
                  double x2) {
   const double off = measured - row.was_expected[j];

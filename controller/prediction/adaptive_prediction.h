@@ -37,7 +37,7 @@ struct GAUNTLET_API AdaptivePredictionConfig {
   void Visit(SettingsVisitor& visitor);
 };
 
-/// What the filters of the bank are called, in their order.
+/// Names of the filters of the bank, in their order.
 inline constexpr std::string_view kPredictionBank[] = {"rest",       "free",       "swing_0.5_hz",
                                                        "swing_1_hz", "swing_2_hz", "swing_3_hz"};
 

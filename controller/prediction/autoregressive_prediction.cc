@@ -23,7 +23,7 @@ constexpr double kFirstMotionDeg = 5.0;
 /// No joint moves further: nothing is learned from a glove that says so.
 constexpr double kMostMotionRad = std::numbers::pi;
 
-/// What every channel has learned, and what one step of learning needs.
+/// Learned values of every channel, and memory of one step of learning.
 struct Learned {
   Learned(int taps, int channel_count)
       : order(taps),
@@ -219,7 +219,7 @@ class AutoregressivePredictor final : public StateFilter<Filter> {
       for (int j = 0; j <= i; ++j) learned_.P(i, j)[channel] = i == j ? rule_.first_p : 0.0;
     }
   }
-  /// What was known when the sample of now was to be predicted.
+  /// Takes the motion that was known when the present sample was to be predicted.
   void TakeThen() noexcept {
     if (one_delay_) return TakeAt(delay_[0], learned_.then[0]);
     for (int c = 0; c < channel_count(); ++c) {

@@ -54,8 +54,8 @@ ChannelArrays OfChannels(const std::vector<double>& values, int each, int channe
   return arrays;
 }
 
-/// The same of what all channels have to say to each: none, or one of every channel for each.
-/// Where there is one per channel it is of the channel itself.
+/// Weights of every channel for each, as arrays of channels: none, or one of every channel for
+/// each. If there is one per channel, it is of the channel itself.
 ChannelArrays OfEveryChannel(const std::vector<double>& values, int channel_count) {
   const auto channels = static_cast<std::size_t>(channel_count);
   if (values.empty()) return {0, channel_count};
@@ -185,7 +185,7 @@ void CheckCount(std::string_view key, const std::vector<double>& values, std::si
                                            std::to_string(each) + " for each");
 }
 
-/// Of what all channels have to say to each. Errors: SettingError.
+/// Check of the number of weights of every channel for each. Errors: SettingError.
 void CheckShared(std::string_view key, const std::vector<double>& values, std::size_t channels,
                  bool may_be_own) {
   if (values.empty() || values.size() == channels * channels) return;

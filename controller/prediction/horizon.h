@@ -18,14 +18,14 @@ inline void VisitHorizon(SettingsVisitor& visitor, std::vector<double>& horizon_
                   horizon_ms);
 }
 
-/// The same in steps of the predictor, per channel. Errors: SettingError.
+/// Horizon in steps of the predictor, per channel. Errors: SettingError.
 inline Eigen::ArrayXd HorizonSteps(const std::vector<double>& horizon_ms, int channel_count,
                                    double rate_hz) {
   return PerChannel("horizon_ms", horizon_ms, channel_count) * 1e-3 * rate_hz;
 }
 
-/// Where the settings of a kind of prediction keep their horizon; null for a kind without, and, to
-/// change it, for one whose weights were fitted for it.
+/// Horizon in the settings of a kind of prediction; null for a kind without, and, to change it, for
+/// one whose weights were fitted for it.
 template <class Settings>
 auto* HorizonOf(Settings& settings) {
   using Values =

@@ -8,8 +8,8 @@
 
 namespace gauntlet::controller {
 
-/// Where a joint will be if its velocity or, with three states, its acceleration stays: those of a
-/// Kalman filter at its settled gain.
+/// Future angle of a joint if its velocity or, with three states, its acceleration stays: those of
+/// a Kalman filter at its settled gain.
 ///
 ///     y = x + h v               white acceleration of density q [deg^2/s^3]
 ///     y = x + h v + h^2/2 a     white jerk of density q [deg^2/s^5]

@@ -40,7 +40,7 @@ struct SettledFilter {
 };
 SettledFilter Settle(const MotionModel& model, double r_deg2, double step_s);
 
-/// What the model expects in `horizon_s` of a state x now:  H exp(F horizon) x  = result * x.
+/// Expectation of the model in `horizon_s` from a state x now:  H exp(F horizon) x  = result * x.
 Eigen::RowVector3d LookAhead(const MotionModel& model, double horizon_s);
 
 }  // namespace gauntlet::controller

@@ -20,7 +20,7 @@ std::vector<double> Rows(std::string_view key, const std::vector<double>& values
   return all;
 }
 
-/// The same prediction for rows that look one, two, .. events farther ahead.
+/// Prediction with these settings for rows that look one, two, .. events farther ahead.
 template <class Settings>
 std::unique_ptr<Filter> MakeLater(Settings settings, int channel_count, double rate_hz, int rows,
                                   double event_period_ms) {

@@ -11,7 +11,7 @@
 
 namespace gauntlet::controller {
 
-/// Where each channel is expected at several times: as the prediction says, one event later, two
+/// Expected angle of each channel at several times: as the prediction says, one event later, two
 /// events later, and so on: by one predictor for all later rows, to which each is further channels
 /// with a longer horizon. Without a prediction all stay where they are.
 ///

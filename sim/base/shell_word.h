@@ -10,7 +10,7 @@ namespace gauntlet::sim {
 /// quotes. Control characters and bytes that are not UTF-8 are written as in bash: $'a\nb'.
 std::string ShellWord(std::string_view text);
 
-/// The same for a path, which must not look like an option: `-a` becomes `./-a`.
+/// Path as one word of a shell command, which must not look like an option: `-a` becomes `./-a`.
 std::string ShellPath(const std::filesystem::path& path);
 
 }  // namespace gauntlet::sim

@@ -82,7 +82,7 @@ class SignalOf
 
 /// Matrix of samples x channels, column-major: the values of one channel are contiguous.
 using Signal = SignalOf<double>;
-/// The same for integers, such as commands.
+/// Matrix of integers, such as commands, likewise.
 using IntegerSignal = SignalOf<int>;
 
 /// Every `step`-th row, beginning with the first.

@@ -20,7 +20,7 @@ std::size_t Width(std::string_view text);
 /// long text, so that the beginning (file, key) and the end (allowed values) stay.
 std::string OneLine(std::string_view text, std::size_t longest = 300);
 
-/// The same for a value inside a message, with a shorter limit.
+/// Printable form of a value inside a message, with a shorter limit.
 std::string Shown(std::string_view value);
 
 /// True if the text can be a key or a column name: 1 to 40 letters, digits, `_`, `.` and `-`, not

@@ -12,8 +12,8 @@
 
 namespace gauntlet::sim {
 
-/// What `sweep` and `robust` share: cells that are run into a folder with its study.db, in shards
-/// or at once.
+/// Common part of `sweep` and `robust`: cells that are run into a folder with its study.db, in
+/// shards or at once.
 struct CellsCommand {
   std::string out;  // empty: see CellsFolder
   int jobs = 0;     // 0: one per core

@@ -140,8 +140,8 @@ std::string ReasonOf(const CLI::ParseError& error) {
                      option.substr(sign + 3));
 }
 
-/// What is wrong with a command line that CLI11 did not take: what was written, why it is not
-/// taken, and what was probably meant.
+/// Explanation of a command line that CLI11 did not take: what was written, why it is not taken,
+/// and what was probably meant.
 std::string ExplainUsage(const std::vector<Command>& commands,
                          const std::vector<std::string>& arguments, const CLI::ParseError& error) {
   const auto word = std::ranges::find_if_not(arguments, IsOption);

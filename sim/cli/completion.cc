@@ -66,7 +66,7 @@ std::vector<std::string> Arguments(const Command& command, const std::vector<std
   return arguments;
 }
 
-/// What the first argument names: a scenario, a ready one, or that of an output folder.
+/// Scenario that the first argument names: a file, a ready one, or that of an output folder.
 std::optional<Scenario> ScenarioOf(const std::vector<std::string>& arguments) {
   if (arguments.empty()) return std::nullopt;
   try {

@@ -7,7 +7,7 @@
 
 namespace gauntlet::sim {
 
-/// What a shell may offer for the last of `words`, which are those behind the program's name: what
+/// Offers of a shell for the last of `words`, which are those behind the program's name: what
 /// --help knows, names of scenarios and of their controllers, keys for --set. A line each, with a
 /// tabulator and its meaning behind it where there is one. `:files` and `:folders` ask the shell
 /// for those, too; `:open` means that the word goes on behind what is offered. Never fails: where

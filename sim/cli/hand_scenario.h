@@ -17,14 +17,14 @@ struct StarterHand {
 /// Assumed are the numbers of an XL330-M288: stall torque, rotor in proportion to it, gear.
 StarterHand MakeStarterHand(const std::filesystem::path& model);
 
-/// Where a joint gets its angle from.
+/// Source of the angle of a joint.
 struct JointStart {
   std::string channel;  // empty: held
   double weight = 1.0;
   double offset_deg = 0.0;
   std::string why;
 };
-/// Of each joint of the hand, by its name, its place in the finger and its range.
+/// Start of each joint of the hand, from its name, its place in the finger and its range.
 std::vector<JointStart> StarterJoints(const HandModel& hand);
 
 /// A scenario that moves the hand at random. `model`: its path in the scenario.

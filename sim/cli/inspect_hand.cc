@@ -30,7 +30,7 @@ std::string TurnedBy(const controller::TendonTransmission& hand, std::size_t joi
   return motors;
 }
 
-/// What a motor acts on: its cables, its joint, or "1 x rh_FFJ2 + 1 x rh_FFJ1".
+/// Target of a motor: its cables, its joint, or "1 x rh_FFJ2 + 1 x rh_FFJ1".
 std::string TargetOf(const Drive& drive) {
   std::vector<std::string> parts;
   for (const Cable& cable : drive.cables) parts.push_back(cable.name);

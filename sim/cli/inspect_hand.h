@@ -5,7 +5,7 @@
 
 namespace gauntlet::sim {
 
-/// Whether a file is a model of a hand, by its ending.
+/// True if a file is a model of a hand, by its ending.
 bool IsHandFile(const std::filesystem::path& file);
 
 /// Builds the hand of an MJCF, as a scenario would, and prints its motors, joints and linkages.

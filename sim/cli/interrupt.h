@@ -6,7 +6,7 @@
 
 namespace gauntlet::sim {
 
-/// What the user reads when a signal ended the program.
+/// Message to the user when a signal ended the program.
 constexpr std::string_view kInterrupted = "interrupted; nothing half-written was left";
 
 /// From now on Ctrl-C, SIGTERM, SIGHUP and SIGQUIT ask long work to stop (see sim/base/stop.h).

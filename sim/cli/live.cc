@@ -141,7 +141,7 @@ std::vector<std::string> ControllersOf(const LiveCommand& command, const Scenari
   return names;
 }
 
-/// Where a real glove's way is, the scenario's is not simulated; a watchdog is always there.
+/// Leaves out the scenario's simulated link of a real glove; a watchdog is always there.
 void UseRealLink(LinksConfig& links) {
   if (!links.glove) {
     links.glove.emplace();

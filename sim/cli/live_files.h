@@ -20,7 +20,7 @@ struct LiveRecord {
   const ScenarioSource* source = nullptr;
 };
 
-/// What a session gives besides its measurements.
+/// Results of a session besides its measurements.
 struct LiveOutcome {
   std::optional<FinishedStudy> finished;  // as of `gauntlet run`; nothing of a session too short
   std::vector<ShadowScore> shadows;       // the controller that drove first; empty without shadows
@@ -36,7 +36,7 @@ double TraceLength_s(double seconds, double motion_s);
 /// UserError as of OutputFile.
 void WriteRecording(const LiveRecord& record, const LiveResult& result, OutputFile& file);
 
-/// The same samples as they came, in counts: `time_s`, then `NAME_counts` per channel, from which
+/// Samples as they came, in counts: `time_s`, then `NAME_counts` per channel, from which
 /// `gauntlet calibrate` takes the noise.
 std::string CountsText(const LiveRecord& record, const LiveResult& result);
 

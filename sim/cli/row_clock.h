@@ -20,7 +20,7 @@ class RowClock {
   /// The time of the next row. False, and nothing changed, if it is not a number above the last.
   bool Add(double time);
   int rows() const { return rows_; }
-  /// Of all rows so far; NaN for fewer than two.
+  /// Rate of all rows so far; NaN for fewer than two.
   double RateHz() const;
 
  private:

@@ -25,9 +25,9 @@ Option AllowProgramsOption(bool& allow);
 /// A folder, or a file: `value` is its name in --help. An empty `out` has no default there: the
 /// command has a place of its own. An empty path that is given is a mistake.
 Option OutOption(std::string& out, const std::string& help, const std::string& value = "DIR");
-/// Of a command that writes files that people edit.
+/// Consent of a command to replace files that people edit.
 Option ForceOption(bool& force);
-/// Of a command that reads a recording: its part to read, an array or a topic.
+/// Part of a recording that a command reads: an array or a topic.
 Options ArrayOptions(std::string& array);
 
 }  // namespace gauntlet::sim

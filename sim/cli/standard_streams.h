@@ -33,7 +33,7 @@ void Print(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
 
 /// Hands over what was printed. Does not fail: CheckOutput() tells.
 void FlushOutput();
-/// The same. Errors: RunError if anything printed so far did not get there; ReaderGone.
+/// FlushOutput() with errors: RunError if anything printed so far did not get there; ReaderGone.
 void CheckOutput();
 
 }  // namespace gauntlet::sim

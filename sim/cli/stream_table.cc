@@ -35,9 +35,9 @@ std::size_t ValuesIn(const std::vector<std::string_view>& cells, char separator)
 
 enum class Likeness { kNone, kPossible, kRow };
 
-/// Whether a line is a row. It has values and, unless it may stand alone, as many cells as the line
-/// above it, or one more, without a name. A note (`Firmware: 1.2`) may look like a row with a text:
-/// then only a line below it of the same shape makes it one.
+/// Likeness of a line to a row. A row has values and, unless it may stand alone, as many cells as
+/// the line above it, or one more, without a name. A note (`Firmware: 1.2`) may look like a row
+/// with a text: then only a line below it of the same shape makes it one.
 Likeness LikenessToRow(std::string_view line, const std::string& above, bool may_be_alone) {
   const char separator = SeparatorOf(line);
   const std::vector<std::string_view> cells = SplitCells(line, separator);

@@ -49,7 +49,7 @@ class StreamTable {
 
   /// The line that comes out first, with its end; empty if the stream has no header.
   std::string_view header() const { return header_; }
-  /// Of the channels to filter.
+  /// Number of channels to filter.
   std::size_t channel_count() const { return filtered_.size(); }
   bool has_time() const { return !time_.empty(); }
   /// Seconds per unit of Time().
@@ -62,9 +62,9 @@ class StreamTable {
   double Time() const;
   /// The cell that Time() begins with.
   std::string_view TimeText() const { return fields_[time_column()]; }
-  /// Whether values of channels depend on the times of the rows.
+  /// True if values of channels depend on the times of the rows.
   bool needs_time() const { return channels_.needs_time(); }
-  /// Of a channel to filter; NaN if a part of it is missing. `time_s`: of the row.
+  /// Value of a channel to filter; NaN if a part of it is missing. `time_s`: of the row.
   double Value(std::size_t channel, double time_s) { return ValueOf(filtered_[channel], time_s); }
   /// The row, with these values of the channels to filter, and its end.
   std::string_view Written(std::span<const double> values, double time_s);
@@ -73,7 +73,7 @@ class StreamTable {
   [[noreturn]] static void Fail(std::size_t row, std::size_t column, const std::string& problem);
 
  private:
-  /// Of the rows that come out: a channel, or a column that passes through.
+  /// Cell of the rows that come out: a channel, or a column that passes through.
   struct OutputCell {
     std::size_t column = 0;
     std::optional<std::size_t> channel = {};

@@ -33,7 +33,7 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Where the results go. One run does not take the place of a comparison unless it is told to, and
+/// Folder of the results. One run does not take the place of a comparison unless it is told to, and
 /// then says so.
 std::string OutputOf(const StudyCommand& options, const std::string& scenario) {
   std::string out = options.out.empty() ? "out/" + scenario : options.out;

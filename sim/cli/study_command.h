@@ -13,7 +13,7 @@
 
 namespace gauntlet::sim {
 
-/// What `run` and `compare` share: options, and the way from a scenario to an output folder.
+/// Common part of `run` and `compare`: options, and the way from a scenario to an output folder.
 struct StudyCommand {
   std::string scenario_file;
   std::string map;    // column map of a recording in place of a scenario

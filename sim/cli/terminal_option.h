@@ -28,8 +28,8 @@ inline Option VerboseOption(
   return Option("--verbose", &verbose, {}, help);
 }
 
-/// Of standard output. Its width is that of the variable COLUMNS, else the terminal's, else 80;
-/// `auto` colours a terminal where NO_COLOR is not set (https://no-color.org).
+/// Style of standard output. Its width is that of the variable COLUMNS, else the terminal's, else
+/// 80; `auto` colours a terminal where NO_COLOR is not set (https://no-color.org).
 TerminalStyle StyleOf(const TerminalOptions& options);
 
 }  // namespace gauntlet::sim

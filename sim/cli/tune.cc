@@ -77,7 +77,7 @@ Examples:
 )";
 };
 
-/// Where the answer is to be used.
+/// Use of the answer in a scenario.
 std::string IncludeText(const std::filesystem::path& file) {
   return fmt::format("in a scenario, controllers: {{tuned: !include {}}}", file.string());
 }

@@ -21,7 +21,7 @@ struct HeldOutPart {
   double repeat_rms_deg = kNaN;     // of angles between episodes with the same commands
 };
 
-/// What was identified of a log.
+/// Result of the identification from a log.
 struct ChainResult {
   std::vector<ChainLog> episodes;     // one or more
   std::vector<ChainFit> fits;         // per part; means over the fitted episodes
@@ -50,7 +50,7 @@ ChainResult IdentifyChain(ChainEpisodes episodes, const ChainProgress& progress 
 
 /// The judgement on the held-out episodes, a row per part.
 ResultTable HeldOutTable(const ChainResult& result);
-/// The same for a person, with the episodes that were left out; empty for one episode.
+/// HeldOutTable() for a person, with the episodes that were left out; empty for one episode.
 ResultText HeldOutText(const ChainResult& result);
 
 }  // namespace gauntlet::sim

@@ -86,7 +86,7 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
                   double rate_hz, int parts = 1, const std::optional<CommandClock>& frames = {},
                   ChainDetail detail = ChainDetail::kAll);
 
-/// What a log determines of a chain, beside the estimates themselves.
+/// Facts of a chain that a log determines, beside the estimates themselves.
 struct KnownOfLog {
   double travel_deg;       // of the angle, by the command's travel and the gain
   double rate_hz;          // of the rows

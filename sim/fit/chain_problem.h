@@ -43,7 +43,7 @@ struct ChainFamily {
 
 /// Shift in time, scale and offset.
 ChainFamily ShiftFamily();
-/// The same with play: the loop between two angles.
+/// Shift in time, scale, offset and play: the loop between two angles.
 ChainFamily PlayFamily();
 /// The basic chain: dead time, play, second-order lag, gain and offset.
 ChainFamily BasicFamily();

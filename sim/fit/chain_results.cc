@@ -34,7 +34,7 @@ std::vector<double> ValuesOf(const std::vector<IdentifiedPart>& parts,
   return values;
 }
 
-/// The same, but empty if no part has a value.
+/// ValuesOf() the parts, but empty if no part has a value.
 std::vector<double> KnownValuesOf(const std::vector<IdentifiedPart>& parts,
                                   std::vector<double> IdentifiedPart::*member) {
   if (std::ranges::all_of(parts, [&](const auto& part) { return (part.*member).empty(); })) {

@@ -14,7 +14,7 @@ std::string ExtentText(const ChainResult& result);
 
 /// Values of a hand with their intervals, a row per part.
 ResultTable ChainTable(const ChainResult& result);
-/// The same for a person, with the reason of each value that is withheld.
+/// ChainTable() for a person, with the reason of each value that is withheld.
 ResultText ChainText(const ChainResult& result);
 
 /// The horizon to set, the values that are withheld, and warnings. `file` contains the chain; the

@@ -102,7 +102,7 @@ std::vector<double> AtRate(std::span<const double> values, double rate_hz, doubl
   return result;
 }
 
-/// What is summed over the episodes of a part.
+/// Sums over the episodes of a part.
 struct Sums {
   double error = 0.0, motion = 0.0, shifted = 0.0, count = 0.0;
   std::array<double, 3> by_speed{};

@@ -29,7 +29,7 @@ void ConvertAll(const ConverterConfig& converter, Signal& counts) {
   }
 }
 
-/// Of what has a channel by itself, likewise.
+/// Keeps the parts that belong to these channels, each with the new number of its channel.
 template <class Part>
 void KeepOfChannels(const std::vector<int>& indices, std::vector<Part>& parts) {
   std::vector<Part> kept;
@@ -106,7 +106,7 @@ Signal Sense(const GloveConfig& config, const Motion& motion, const Signal& trem
   return SenseBend(config.sensor, sensor, motion.angle_rad + tremor_rad, tick_rate_hz, converters);
 }
 
-/// What the glove takes of a signal that has a row per tick.
+/// Samples that the glove takes of a signal that has a row per tick.
 Signal Sampled(Signal signal, int ticks_per_sample) {
   if (ticks_per_sample == 1) return signal;
   return EveryRow(signal, ticks_per_sample);

@@ -13,7 +13,7 @@
 
 namespace gauntlet::sim {
 
-/// What the wearer did and what the glove said of it. All controllers of a trial get the same.
+/// Motion of the wearer and the glove's samples of it. All controllers of a trial get the same.
 struct GloveSignal {
   std::vector<std::string> channel_names;
   double rate_hz = 1000.0;       // of samples
@@ -41,16 +41,16 @@ std::vector<int> ChannelsOf(const GloveConfig& config);
 /// fit.
 GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed);
 
-/// The same wearer, motion, tremor, sensors and converter, without noise and faults. All random
-/// streams are of their own: with the same seed nothing else changes.
+/// Glove of the same wearer, motion, tremor, sensors and converter, without noise and faults. All
+/// random streams are of their own: with the same seed nothing else changes.
 GloveConfig WithoutNoise(GloveConfig config);
-/// Whether WithoutNoise() changes nothing of the signal.
+/// True if WithoutNoise() changes nothing of the signal.
 bool IsWithoutNoise(const GloveConfig& config);
 
 /// Variance of the noise that the settings draw, per channel of the glove; 0 where there is none.
 /// A recording's noise is not counted.
 std::vector<double> NoiseVarianceCounts2(const GloveConfig& config);
-/// The same behind the nominal linearisation [rad^2].
+/// Variance of that noise behind the nominal linearisation [rad^2].
 std::vector<double> NoiseVarianceRad2(const GloveConfig& config);
 
 /// Takes the calibration, and the converter's bits, of a recording in counts (`use: measured`) from

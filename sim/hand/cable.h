@@ -15,7 +15,7 @@ namespace gauntlet::sim {
 double CableTension(double stiffness_n_m, double damping_n_s_m, double stretch_m,
                     double stretch_rate_m_s) noexcept;
 
-/// What a cable is like from end to end.
+/// Properties of a cable from end to end.
 struct Cord {
   double stiffness_n_m = 0.0;  // EA/L
   double damping_n_s_m = 0.0;
@@ -59,7 +59,7 @@ struct CableState {
 void PullCable(const Cord& cord, double bend_rad, double stretch_m, double step_s,
                std::span<CablePlace> places, CableState& state) noexcept;
 
-/// What time and use do to a cable.
+/// Effects of time and use on a cable.
 struct CableWear {
   double longer_m_per_s = 0.0;
   double longer_per_travel = 0.0;  // m per m that its drum winds, to and fro
@@ -71,11 +71,11 @@ struct CableWear {
 void WearCable(const CableWear& wear, double time_s, double step_s, double travel_m,
                CableState& state) noexcept;
 
-/// What a cable can give back [J].
+/// Energy that a cable can give back [J].
 double CableEnergy(const Cord& cord, const CableState& state) noexcept;
 
-/// Where a drum with play stands on its shaft [rad]. It has no mass: where the play allows, it
-/// turns to where both cables pull alike, `balance_rad`; else the shaft takes it along.
+/// Angle of a drum with play on its shaft [rad]. It has no mass: where the play allows, it turns to
+/// where both cables pull alike, `balance_rad`; else the shaft takes it along.
 double DrumAngle(double shaft_rad, double balance_rad, double play_rad) noexcept;
 
 }  // namespace gauntlet::sim

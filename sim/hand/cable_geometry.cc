@@ -184,7 +184,7 @@ class SpanFinder {
   const mjData& data_;
 };
 
-/// Whether the spans of all cables say what the engine says in the posture of `data`.
+/// True if the spans of all cables agree with the engine in the posture of `data`.
 bool Agree(const mjModel& model, const mjData& data, const std::vector<Drive>& drives) {
   std::vector<double> arm_m;
   for (const Drive& drive : drives) {

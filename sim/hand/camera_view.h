@@ -5,7 +5,7 @@
 
 namespace gauntlet::sim {
 
-/// What fills the picture of a hand in motion.
+/// Part of a hand in motion that fills the picture.
 enum class Framed {
   kWhatMoves,
   kFingers,  // what hangs on the palm

@@ -17,7 +17,7 @@ Eigen::Map<const Vector3d> VectorAt(const double* numbers) {
   return Eigen::Map<const Vector3d>(numbers);
 }
 
-/// Where the body puts a point, or turns a direction, of its own.
+/// Point, or direction, of a body in the world.
 Vector3d Placed(const mjData& data, int body, const double* point) {
   return VectorAt(data.xpos + 3 * body) +
          Eigen::Map<const Rotation>(data.xmat + 9 * body) * VectorAt(point);

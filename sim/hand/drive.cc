@@ -214,7 +214,7 @@ std::vector<ShaftJoint> ShaftJointsOf(const mjModel& model, const MotorInModel& 
   return joints;
 }
 
-/// What the armature and the friction of the joints say of their motor.
+/// Rotor of a motor by the armature and the friction of its joints.
 void ReadRotor(const mjModel& model, MotorInModel& motor) {
   const std::vector<ShaftJoint> joints = ShaftJointsOf(model, motor);
   for (const ShaftJoint& joint : joints) {

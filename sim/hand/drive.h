@@ -32,7 +32,7 @@ struct Leading {
   int qpos = 0;
   double slope = 1.0;  // d joint / d leading joint
 };
-/// Of the joint with this position in qpos.
+/// Leading joint of the joint with this position in qpos.
 Leading LeadingOf(int qpos, const std::vector<Follower>& followers);
 
 /// A cable from its drum to the joints that it moves.
@@ -60,8 +60,8 @@ struct ShaftJoint {
   double reference_rad = 0.0;  // joint angle at which the shaft stands at 0
 };
 
-/// What joins a motor to its joints without cables: its gear, and bars or belts of fixed ratio. It
-/// turns by
+/// Connection of a motor to its joints without cables: its gear, and bars or belts of fixed ratio.
+/// It turns by
 ///
 ///     shaft = sum over joints of ratio (joint - reference), less zero error
 ///
@@ -104,7 +104,7 @@ struct Drive {
 enum class Transmission { kCables, kDirect, kLinkage };
 Transmission TransmissionOf(const Drive& drive);
 
-/// What the model says of an actuator as a motor; 0 for what it does not say.
+/// Motor as the model describes its actuator; 0 for values that it does not state.
 struct MotorInModel {
   std::string name;
   bool has_spool = false;  // a part is called NAME_spool, NAME_drum, NAME_flexor or NAME_extensor

@@ -26,7 +26,7 @@ class Fingertips {
 
   /// Those that exist, thumb first.
   const std::vector<std::string>& names() const { return names_; }
-  /// Whether a joint of the hand, or one that it leads, moves the tip against the palm.
+  /// True if a joint of the hand, or one that it leads, moves the tip against the palm.
   bool Moves(int joint, std::size_t tip) const { return moves_[tip][joint]; }
   /// Row n is tick n * ticks_per_row. Shapes: ticks x joints in; x, y, z of each tip out. Units:
   /// rad in, m out.

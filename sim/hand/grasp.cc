@@ -11,8 +11,8 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Where the cylinder's near side passes the palm, from the wrist's deviation axis [m]: it lies
-/// along the base of the thumb. The gap leaves space for the palm's padding.
+/// Distance at which the cylinder's near side passes the palm, from the wrist's deviation axis [m]:
+/// it lies along the base of the thumb. The gap leaves space for the palm's padding.
 constexpr double kSideFromWristM = 0.038;
 constexpr double kPalmThicknessM = 0.0105;
 constexpr double kGapM = 0.004;

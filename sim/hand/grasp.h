@@ -5,7 +5,7 @@
 
 namespace gauntlet::sim {
 
-/// Where the object, its support and the palm are in the model.
+/// Object, its support and the palm in the model.
 struct GraspParts {
   int object_body = -1;
   int palm_body = -1;

@@ -109,7 +109,7 @@ Hand::State::State(std::shared_ptr<const HandModel> hand_model)
   cables.resize(hand->cable_names().size());
 }
 
-/// What every servo knows during this tick.
+/// Inputs of every servo during this tick.
 void Hand::State::ReadInputs() noexcept {
   const controller::TendonTransmission& map = hand->transmission();
   for (std::size_t motor = 0; motor < inputs.size(); ++motor) {
@@ -178,8 +178,8 @@ void Hand::State::Pull(const Cable& cable, double stretch_m, double wound_rate_m
   }
 }
 
-/// Where the drum is and how fast it turns. Without play it is the shaft; with play it has no mass
-/// and turns, as far as it can, to where all its cables together do not turn it.
+/// Angle and speed of the drum. Without play it is the shaft; with play it has no mass and turns,
+/// as far as it can, to where all its cables together do not turn it.
 DrumMotion Hand::State::TurnDrum(const Drive& drive, const SpoolState& spool,
                                  std::span<const CableState> states, std::span<const CableWay> ways,
                                  double& angle_rad) const noexcept {

@@ -27,8 +27,8 @@ class Hand {
   void Reset(std::span<const double> joint_angle_rad);
   /// The command frame that the servos hold from now on [counts, per motor].
   void SetCommand(std::span<const std::int32_t> motor_counts) noexcept;
-  /// Whether the motors have torque; they do after Reset(). Without it spools turn freely, but for
-  /// the gear's friction.
+  /// Switches the torque of the motors; it is on after Reset(). Without it spools turn freely, but
+  /// for the gear's friction.
   void SetPower(bool on) noexcept;
   /// The frame that the servos hold; after Reset() the one that keeps the posture.
   std::span<const std::int32_t> command() const noexcept;
@@ -40,10 +40,10 @@ class Hand {
   void ReadJointAngles(std::span<double> joint_angle_rad) const noexcept;
   void ReadSpoolAngles(std::span<double> spool_angle_rad) const noexcept;
   void ReadSpoolSpeeds(std::span<double> spool_speed_rad_s) const noexcept;
-  /// What each servo turned its spool with [N m], of which the gear's friction took its part.
+  /// Torque of each servo on its spool [N m], of which the gear's friction took its part.
   void ReadServoTorques(std::span<double> torque_nm) const noexcept;
   void ReadCableTensions(std::span<double> tension_n) const noexcept;
-  /// What all cables can give back, when the last step began [J].
+  /// Energy that all cables can give back, when the last step began [J].
   double CableEnergy() const noexcept;
   /// Sum of the normal forces between hand and object [N]; 0 without one.
   double GripForce() const noexcept { return Forces().grip_n; }
@@ -54,14 +54,14 @@ class Hand {
   /// Position [m] and attitude (quaternion) of the object in the world, 7 values; without an object
   /// nothing is written.
   void ReadObjectPose(std::span<double> pose) const noexcept;
-  /// The same in the frame of the palm, when the last step began.
+  /// Pose of the object in the frame of the palm, when the last step began.
   void ReadObjectInPalm(std::span<double> pose) const noexcept;
   /// True per motor while the servo is at its torque limit.
   void ReadSaturation(std::span<std::uint8_t> saturated) const noexcept;
   const HandHealth& health() const noexcept;
 
   const HandModel& hand_model() const noexcept;
-  /// What the engine knows, of the physics model.
+  /// State of the engine for the physics model.
   const mjData_& data() const noexcept;
 
  private:

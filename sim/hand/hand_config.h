@@ -10,7 +10,7 @@
 
 namespace gauntlet::sim {
 
-/// What the two cables of every motor are like. Stiffness and damping of each cable stand in the
+/// Properties of the two cables of every motor. Stiffness and damping of each cable stand in the
 /// model file; here stands what is common, and what can be switched off to see what it does.
 struct CableConfig {
   bool stretch = true;           // off: 8 times as stiff, about what the time step can bear
@@ -44,8 +44,8 @@ struct SnapConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// What time and use do to all cables during a trial, each of which begins with new ones. A cable
-/// that becomes longer first loses its pretension, then it is slack.
+/// Effects of time and use on all cables during a trial, each of which begins with new ones. A
+/// cable that becomes longer first loses its pretension, then it is slack.
 struct WearConfig {
   std::vector<double> slack_mm_per_hour = {0.0};  // for all motors, or for each
   std::vector<double> slack_mm_per_km = {0.0};    // of what its drum winds, to and fro
@@ -54,7 +54,7 @@ struct WearConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// What a model may not say of its motors: for all of them, or for each. Empty: as in the model.
+/// Motor data that a model may lack: for all motors, or for each. Empty: as in the model.
 struct MotorConfig {
   std::vector<double> stall_torque_nm;
   std::vector<double> rotor_inertia_kg_m2;  // behind its gear
@@ -65,7 +65,7 @@ struct MotorConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// What touches what. Contacts cost time, so they are off where they are not needed.
+/// Contacts to compute. They cost time, so they are off where they are not needed.
 enum class Contact {
   kNone,    // bodies pass through each other
   kHand,    // palm, thumb and fingers touch each other

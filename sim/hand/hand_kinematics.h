@@ -59,7 +59,7 @@ class HandKinematics {
   HandKinematics& operator=(const HandKinematics&) = delete;
 
   const std::string& file() const { return file_; }
-  /// What was left out of the file, see ReadModelText().
+  /// Parts of the file that were left out, see ReadModelText().
   const std::vector<std::string>& notes() const { return notes_; }
   const std::array<Digit, kFingers>& digits() const { return digits_; }
   int palm() const { return palm_; }  // body of the model
@@ -67,7 +67,7 @@ class HandKinematics {
   const std::vector<HandJoint>& joints() const { return joints_; }
   /// Names of all other joints, but those of spools and those that follow.
   const std::vector<std::string>& other_joint_names() const { return other_joint_names_; }
-  /// Whether the joint moves the tip of the digit.
+  /// True if the joint moves the tip of the digit.
   bool Moves(std::size_t joint, int finger) const { return moves_[joint][finger]; }
   /// Per joint: 0, or the end of the range next to it.
   std::vector<double> NeutralAngles() const;

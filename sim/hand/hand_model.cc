@@ -272,7 +272,7 @@ TendonTransmission MakeTransmission(const HandConfig& config, const std::vector<
   return transmission;
 }
 
-/// What the engine computes from the model at its zero posture, after a change of inertia.
+/// Constants that the engine computes at the model's zero posture, after a change of inertia.
 void UpdateConstants(mjModel& model) {
   const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(&model), &mj_deleteData);
   if (data == nullptr) throw RunError("not enough memory for the hand's model");

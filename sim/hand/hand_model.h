@@ -39,13 +39,13 @@ class HandModel {
 
   /// All that there is; for pictures.
   const mjModel_& model() const { return *model_; }
-  /// What a Hand steps.
+  /// Model that a Hand steps.
   const PhysicsModel& physics() const { return *physics_; }
   /// Some cable is no sum of functions of one joint angle each: slower.
   bool engine_measures_cables() const { return engine_measures_cables_; }
   const HandConfig& config() const { return config_; }
   const LoopTiming& timing() const { return timing_; }
-  /// What a controller must know of this hand: joints, motors, coupling, ranges, counts.
+  /// Facts of this hand for a controller: joints, motors, coupling, ranges, counts.
   const controller::TendonTransmission& transmission() const { return transmission_; }
   /// The coupling of the hand as it was built; another one where it has errors of assembly.
   const controller::TendonTransmission& as_built() const { return as_built_; }
@@ -54,7 +54,7 @@ class HandModel {
   const std::vector<double>& center_error_rad() const { return center_error_rad_; }
   const std::vector<std::string>& joint_names() const { return transmission_.joint_names; }
   const std::vector<std::string>& motor_names() const { return transmission_.motor_names; }
-  /// Of all motors in their order: first the flexor, then the extensor if there is one.
+  /// Cables of all motors in their order: first the flexor, then the extensor if there is one.
   const std::vector<std::string>& cable_names() const { return cable_names_; }
 
   // Positions and degrees of freedom are numbered as in the whole model; those of cables, as in the
@@ -66,18 +66,18 @@ class HandModel {
   const GraspParts& grasp_in_physics() const { return grasp_in_physics_; }
   const Digits& digits() const { return digits_; }
 
-  /// What was left out of the model's file, a sentence each; see ReadModelText().
+  /// Parts of the model's file that were left out, a sentence each; see ReadModelText().
   const std::vector<std::string>& notes() const { return notes_; }
 
-  /// Of the joint with this position in qpos of the whole model; empty for one without a name.
+  /// Name of the joint with this position in qpos of the whole model; empty for one without a name.
   std::string NameOfJointAt(int qpos) const;
 
   /// For pictures of the hand, in the model's order.
   std::vector<std::string> CameraNames() const;
 
-  /// Of the compiled model and everything that shapes it, for `scenario.resolved.yaml`.
+  /// Hash of the compiled model and everything that shapes it, for `scenario.resolved.yaml`.
   std::string Hash() const;
-  /// Of MuJoCo, as "2.2.2".
+  /// Version of MuJoCo, as "2.2.2".
   static std::string EngineVersion();
 
  private:

@@ -57,7 +57,7 @@ struct HandShapes {
     Frame frame;  // a pulley's axis is z
     double radius_m = 0.0;
     bool is_sphere = false;
-    /// Of a pulley: on which side of it the cable lies, a place relative to a body.
+    /// Side of a pulley on which the cable lies: a place relative to a body.
     struct Side {
       int body = 0;
       std::array<double, 3> position_m = {0, 0, 0};
@@ -85,8 +85,8 @@ struct HandShapes {
   int object_body = -1;  // what a hand may hold, with a pose of its own; -1: nothing
 };
 
-/// What MuJoCo draws of the model by default, without planes. `camera`: a name of the model; none
-/// if it does not have it.
+/// Shapes that MuJoCo draws of the model by default, without planes. `camera`: a name of the model;
+/// none if it does not have it.
 HandShapes ShapesOf(const HandModel& hand, const std::string& camera);
 
 }  // namespace gauntlet::sim

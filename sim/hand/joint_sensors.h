@@ -11,7 +11,7 @@
 
 namespace gauntlet::sim {
 
-/// What the joint sensors of a hand tell, and when.
+/// Readings of a hand's joint sensors, and their times.
 ///
 ///     reading = step round((angle + noise) / step),   step = 2 pi / 2^resolution_bits
 ///

@@ -26,8 +26,8 @@ void BlankComments(std::string& text) {
   }
 }
 
-/// What the callbacks of the parser build. They must not throw.
-/// Newer releases of expat deprecate this function for one of 64 bits, which older ones lack.
+/// Line that the parser has reached. Newer releases of expat deprecate this function for one of 64
+/// bits, which older ones lack.
 int LineOf(XML_Parser parser) {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wdeprecated-declarations"
@@ -35,6 +35,7 @@ int LineOf(XML_Parser parser) {
 #pragma GCC diagnostic pop
 }
 
+/// Elements that the callbacks of the parser build. They must not throw.
 struct Builder {
   XML_Parser parser;
   const std::filesystem::path& file;

@@ -9,7 +9,7 @@
 
 namespace gauntlet::sim {
 
-/// What happens to a part of MJCF that the engine's version does not know.
+/// Treatment of a part of MJCF that the engine's version does not know.
 enum class NewerMjcf {
   kDrop,    // changes neither kinematics nor inertia
   kRefuse,  // moves, couples or loads bodies

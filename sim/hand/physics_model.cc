@@ -19,7 +19,7 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// Whether a tendon does more than a cable, whose pull the hand computes.
+/// True if a tendon does more than a cable, whose pull the hand computes.
 bool TendonsActByThemselves(const mjModel& model) {
   for (int tendon = 0; tendon < model.ntendon; ++tendon) {
     if (model.tendon_stiffness[tendon] > 0.0 || model.tendon_damping[tendon] > 0.0 ||
@@ -81,7 +81,7 @@ struct Inertia {
   Vector3d center_m;  // in the frame of a body
   Matrix3d about_center_kg_m2;
 
-  /// The same about a point at `to` from the center.
+  /// Inertia about a point at `to` from the center.
   Matrix3d About(const Vector3d& to) const {
     return about_center_kg_m2 +
            mass_kg * (to.squaredNorm() * Matrix3d::Identity() - to * to.transpose());
@@ -126,7 +126,7 @@ void AddToParent(mjModel& model, int body) {
   model.body_simple[parent] = 0;
 }
 
-/// Of parts in the order of their bodies: how many each body has, and the first of them.
+/// Number of parts of each body, and the first of them; the parts are in the order of their bodies.
 void CountPerBody(const int* body_of, int count, int bodies, int* number, int* first) {
   std::fill_n(number, bodies, 0);
   std::fill_n(first, bodies, -1);
@@ -252,7 +252,7 @@ void PhysicsModel::NumberParts(const mjModel& whole) {
   CountPerBody(model.dof_bodyid, model.nv, model.nbody, model.body_dofnum, model.body_dofadr);
   CountPerBody(model.geom_bodyid, model.ngeom, model.nbody, model.body_geomnum, model.body_geomadr);
   for (int body = 1; body < model.nbody; ++body) {
-    // What has no joint is welded to what carries it.
+    // A body without a joint is welded to what carries it.
     model.body_weldid[body] =
         model.body_jntnum[body] > 0 ? body : model.body_weldid[model.body_parentid[body]];
   }
@@ -274,7 +274,7 @@ void PhysicsModel::NumberParts(const mjModel& whole) {
   }
 }
 
-/// What couples parts, touches or leaves out contacts.
+/// Constraints that couple parts, touch or leave out contacts.
 void PhysicsModel::NumberConstraints(const mjModel& whole) {
   mjModel& model = *model_;
   const auto own = [this](int*& ids, int count) {

@@ -10,8 +10,8 @@
 
 namespace gauntlet::sim {
 
-/// What the engine steps: what is left of a compiled model without spools, which the hand turns
-/// itself, and without what no force comes from: sites, cameras, lights, sensors, geoms that cannot
+/// Model that the engine steps: a compiled model without spools, which the hand turns itself, and
+/// without all that no force comes from. That is sites, cameras, lights, sensors, geoms that cannot
 /// touch, and cables, unless the engine measures them. A spool is part of the body that carries it.
 /// All other bodies and joints have inertias, springs and dampers of the whole model to the last
 /// bit: it has been compiled, so that masses which come from geoms are there already.

@@ -15,26 +15,26 @@ enum class LimitedCurrent {
   kSupply,  // torque at stall goes as the square root of the limit
 };
 
-/// What can be said of any position servo on a spool. Stall torques, rotors and dry friction stand
-/// in the model file, since a shoulder needs another motor than a finger; here stand the laws that
-/// motors of one make share, and factors on the model's numbers.
+/// Numbers of any position servo on a spool. Stall torques, rotors and dry friction stand in the
+/// model file, since a shoulder needs another motor than a finger; here stand the laws that motors
+/// of one make share, and factors on the model's numbers.
 ///
 /// The values here are those of the kind `standard`; other kinds set what they know better.
 struct ServoNumbers {
-  // What it takes of a command.
+  // Command input.
   int resolution_bits = 10;   // the command has 2^bits steps over the travel
   double travel_deg = 300.0;  // of the spool, end to end
   double frame_ms = 20.0;     // a new command is taken only at a frame; 0: at once
   bool free_running = false;  // frames of its own, out of step with commands and other motors
   double dead_time_ms = 0.0;  // from the frame until the motor knows of it
-  // What it knows of its spool.
+  // Sensor of the spool.
   int sensor_bits = 0;            // 2^bits steps over the travel; 0: exact
   double sensor_noise_deg = 0.0;  // standard deviation of a reading
-  // What it makes of both.
+  // Control law.
   double dead_band_deg = 0.2;          // errors up to this cause no torque, to either side
   double full_torque_error_deg = 1.5;  // gain: error beyond the dead band for the stall torque
   double damping_ms = 12.0;            // speed that is braked as much as an error is pulled
-  // What its motor and gear are like.
+  // Motor and gear.
   double no_load_speed_deg_s = 400.0;  // back-EMF: torque falls linearly to zero at this speed
   double torque_scale = 1.0;           // on the stall torques of the model
   double stall_current_ma = 0.0;       // at the stall torque; 0: not known
@@ -95,7 +95,7 @@ struct DynamixelServo : ServoNumbers {
   DynamixelServo();
 };
 
-/// The same with four times the position gain, as an engineer sets it to overcome friction.
+/// DynamixelServo with four times the position gain, as an engineer sets it to overcome friction.
 struct StiffDynamixelServo : DynamixelServo {
   static constexpr std::string_view kKind = "dynamixel_stiff";
   static constexpr std::string_view kSummary =
@@ -103,7 +103,7 @@ struct StiffDynamixelServo : DynamixelServo {
   StiffDynamixelServo();
 };
 
-/// The same as the program of the LEAP Hand sets it.
+/// DynamixelServo as the program of the LEAP Hand sets it.
 struct LeapServo : DynamixelServo {
   static constexpr std::string_view kKind = "leap";
   static constexpr std::string_view kSummary =
@@ -111,7 +111,7 @@ struct LeapServo : DynamixelServo {
   LeapServo();
 };
 
-/// The same as the program of the ORCA hand sets it.
+/// DynamixelServo as the program of the ORCA hand sets it.
 struct OrcaServo : DynamixelServo {
   static constexpr std::string_view kKind = "orca";
   static constexpr std::string_view kSummary =

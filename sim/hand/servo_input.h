@@ -9,7 +9,7 @@
 
 namespace gauntlet::sim {
 
-/// What one servo knows: the command that it holds, and where it takes its spool to be.
+/// Knowledge of one servo: the command that it holds, and where it takes its spool to be.
 ///
 /// Frames begin with the first command or, if they run free, at a tick of the first frame that the
 /// motor's number decides. A command counts from the first frame that finds it, and after the dead

@@ -2,7 +2,7 @@
 
 namespace gauntlet::sim {
 
-/// What turns behind the gear of a motor, as felt at its drum: rotor, gear and drum.
+/// Parts that turn behind the gear of a motor, as felt at its drum: rotor, gear and drum.
 struct Spool {
   double inertia_kg_m2 = 1.0;
   double damping_nm_s_rad = 0.0;

@@ -29,7 +29,7 @@ class CommandOutput {
 
   /// Errors: RunError if no thread starts.
   void Begin();
-  /// Of the control thread. Units: counts.
+  /// Sends a command, called by the control thread. Units: counts.
   void Send(const OutputHead& head, std::span<const double> counts) noexcept;
   /// The motors do not listen.
   bool is_gone() const noexcept { return is_gone_.load(std::memory_order_relaxed); }
@@ -46,11 +46,11 @@ class CommandOutput {
 
   RowRing<OutputHead> commands_;
   FrameSink* sink_;
-  // Of the thread.
+  // Members of the thread.
   StageClock clock_;  // without motors, of the control thread
   std::int64_t replaced_ = 0;
   int good_sends_ = 0;
-  // Of both.
+  // Members of both threads.
   std::atomic<std::uint32_t> calls_ = 0;
   std::atomic<bool> ends_ = false;
   std::atomic<bool> is_gone_ = false;

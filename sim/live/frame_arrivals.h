@@ -46,7 +46,7 @@ class FrameArrivals {
   };
 
   Numbered Take(const DeviceFrame& frame);
-  /// Of the frames so far.
+  /// Facts of the frames so far.
   ArrivalFacts Facts() const;
 
  private:

@@ -50,7 +50,7 @@ ColumnMap MapByNames(const DeviceColumns& columns, std::vector<std::size_t> valu
   return map;
 }
 
-/// Whether a column gives counts of the glove's own converter, of which nothing else is known.
+/// True if a column gives counts of the glove's own converter, of which nothing else is known.
 bool AreGloveCounts(const ColumnMapping& mapping, const controller::ConverterRange& range) {
   const bool fits = mapping.bits == 0 || std::ldexp(1.0, mapping.bits) - 1.0 == range.span_counts();
   return mapping.unit == RecordedUnit::kCounts && !mapping.points && fits && mapping.scale == 1.0 &&

@@ -10,7 +10,7 @@
 
 namespace gauntlet::sim {
 
-/// What a person says of the columns of a glove's frames.
+/// Settings for the columns of a glove's frames.
 struct FrameChannelsConfig {
   controller::GloveCalibration glove;
   std::string source;  // of the frames, for messages
@@ -37,7 +37,7 @@ class FrameChannels {
   std::span<const double> Counts(const DeviceColumns& columns, double time_s,
                                  std::span<const double> values);
 
-  /// What the columns were taken for, in one line for a person; empty before the first frame.
+  /// Meaning taken for the columns, in one line for a person; empty before the first frame.
   const std::string& remark() const { return remark_; }
 
  private:

@@ -23,9 +23,10 @@ class CauseTrials {
  public:
   explicit CauseTrials(const Study& study) : study_(study) {}
 
-  /// Of one controller with the glove of a seed. `noise_free`: the hand in the trial without noise,
-  /// ticks x joints; empty for a recorded glove, of which neither noise nor errors are known. A
-  /// hand that is stopped, too, is missing. `keep_going`: see TrialOptions; false: Cancelled.
+  /// Trials of one controller with the glove of a seed. `noise_free`: the hand in the trial without
+  /// noise, ticks x joints; empty for a recorded glove, of which neither noise nor errors are
+  /// known. A hand that is stopped, too, is missing. `keep_going`: see TrialOptions; false:
+  /// Cancelled.
   CauseAngles Run(const NamedController& named, int seed, const GloveSignal& glove,
                   const Signal& noise_free, const std::function<bool(double)>& progress);
 

@@ -11,8 +11,8 @@
 
 namespace gauntlet::sim {
 
-/// What the predictor of a controller would see of a glove [deg]: a stretch between any two missing
-/// samples. Errors: SettingError for filters that do not step at every sample.
+/// Signal of a glove as a controller's predictor would see it [deg]: a stretch between any two
+/// missing samples. Errors: SettingError for filters that do not step at every sample.
 controller::RecordedMotion SeenByPredictor(const Study& study,
                                            controller::ControllerConfig controller,
                                            const GloveSignal& glove);

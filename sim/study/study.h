@@ -76,7 +76,7 @@ void ChooseVideoCamera(const HandModel& hand, std::string& camera);
 /// Builds hand, glove (of the first seed of every repetition) and every controller.
 /// Errors: UserError, SettingError.
 Study PrepareStudy(Scenario scenario);
-/// The same of a scenario that was read from `source`. Errors: UserError with the place in the
+/// As above, for a scenario that was read from `source`. Errors: UserError with the place in the
 /// source, unless it has a place of its own: a model, a recording.
 Study PrepareStudy(const ScenarioSource& source, Scenario scenario);
 

@@ -81,7 +81,7 @@ std::size_t RowsOf(const NamedArray& array) {
   return LiesOnItsSide(array) ? array.columns : array.rows;
 }
 
-/// What stands before the last word of a name: `glove_` of `glove_angles`.
+/// Part of a name before its last word: `glove_` of `glove_angles`.
 std::string GroupOf(const std::string& name) {
   const std::size_t cut = name.rfind('_');
   return cut == std::string::npos ? "" : name.substr(0, cut + 1);

@@ -15,7 +15,7 @@
 
 namespace gauntlet::sim {
 
-/// What a reader does with a value or row that is not as it should be.
+/// Handling of a value or row that is not as it should be.
 enum class ProblemHandling {
   kStrict,        // stops with a UserError at the first one
   kRepair,        // gives NaN for what is no value and reports; see LoadRecording for glitches
@@ -73,7 +73,7 @@ class CsvReader {
   std::vector<std::vector<std::string>> FirstRows(std::size_t most, std::size_t last_line);
   /// The next row; false at the end. `values` has column_count() places.
   bool NextRow(std::span<double> values);
-  /// The same as text, without quotes.
+  /// Next row as text, without quotes; false at the end.
   bool NextRow(std::vector<std::string>& cells);
   /// The number in a cell of the row that was given last; column from 1.
   double Number(std::string_view cell, std::size_t column);
@@ -82,7 +82,7 @@ class CsvReader {
   /// Line of the first row of data.
   std::size_t first_row() const { return first_row_line_; }
   const std::string& name() const { return lines_.name(); }
-  /// What the source says of the table in the lines of RemarkLine() up to here.
+  /// Remarks of the source on the table, in the lines of RemarkLine() up to here.
   const std::vector<std::string>& remarks() const { return remarks_; }
 
   /// A cell or the name of a column as it may stand in a message: short, printable, in quotes.

@@ -8,7 +8,7 @@
 
 namespace gauntlet::sim {
 
-/// What a file is, by its bytes; its name counts for nothing.
+/// Format of a file, by its bytes; its name counts for nothing.
 enum class FileFormat {
   kText,
   kUtf16,
@@ -50,7 +50,7 @@ std::uintmax_t RecordingBytes(const std::filesystem::path& file);
 
 /// As a person calls it.
 std::string_view NameOf(FileFormat format);
-/// What to do with a file that Gauntlet does not read, as a part of a sentence; empty if it does.
+/// Advice for a file that Gauntlet does not read, as a part of a sentence; empty if it does.
 std::string_view WayOut(FileFormat format);
 
 }  // namespace gauntlet::sim

@@ -27,7 +27,7 @@ std::vector<NamedArray> ReadJsonArrays(std::string_view text);
 /// Errors: UserError without a place.
 std::vector<NamedArray> ReadJsonRow(std::string_view text);
 
-/// What LeRobot's info.json says of a data set.
+/// Facts from LeRobot's info.json about a data set.
 struct DatasetInfo {
   ListNames names;       // of the numbers of each feature
   double rate_hz = 0.0;  // frames per second; 0: not known

@@ -155,7 +155,7 @@ std::string_view RecordsOf(const Chunk& chunk, std::string& room) {
   return records;
 }
 
-/// Where a chunk is, and which channels have messages in it.
+/// Place of a chunk, and the channels that have messages in it.
 struct ChunkPlace {
   std::uint64_t first_ns = 0;
   std::uint64_t last_ns = 0;

@@ -13,7 +13,7 @@ namespace gauntlet::sim {
 /// Source: mcap.dev/spec. Errors: UserError without a place for a damaged file, for a chunk above
 /// 256 MB and for another compression.
 std::unique_ptr<MessageFile> OpenMcap(const std::filesystem::path& file);
-/// The same for the bytes of a file.
+/// As OpenMcap(), for the bytes of a file.
 std::unique_ptr<MessageFile> ReadMcap(std::string bytes);
 
 }  // namespace gauntlet::sim

@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kNsPerS = 1e9;
 
-/// What robots record about themselves, beside what is recorded on purpose.
+/// True for messages that robots record about themselves, beside what is recorded on purpose.
 bool IsBookkeeping(std::string_view type) {
   const std::string plain = PlainTypeName(type);
   return plain.starts_with("rcl_interfaces/") || plain.starts_with("diagnostic_msgs/") ||
@@ -89,7 +89,7 @@ std::optional<std::size_t> FindTopic(const std::vector<Topic>& topics, std::stri
   return static_cast<std::size_t>(found - topics.begin());
 }
 
-/// What all messages of a topic have in common.
+/// Facts that all messages of a topic have in common.
 struct TopicFacts {
   std::vector<std::string> columns;
   std::vector<std::string> remarks;  // on units

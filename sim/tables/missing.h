@@ -4,7 +4,7 @@
 
 namespace gauntlet::sim {
 
-/// What stands in a table or a recording where there is no value.
+/// Placeholder in a table or a recording where there is no value.
 inline constexpr double kMissing = controller::kNaN;
 
 }  // namespace gauntlet::sim

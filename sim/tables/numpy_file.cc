@@ -68,7 +68,7 @@ Reader ReaderOf(std::string_view type) {
   return found == kKnown.end() ? nullptr : found->reader;
 }
 
-/// What stands behind `'key':` in the header, a dictionary as Python writes it.
+/// Value behind `'key':` in the header, a dictionary as Python writes it.
 std::string_view ValueOf(std::string_view header, std::string_view key) {
   const std::size_t place = header.find(fmt::format("'{}'", key));
   if (place == std::string_view::npos) FailAsDamaged(fmt::format("its header has no {}", key));

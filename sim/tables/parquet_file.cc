@@ -68,7 +68,7 @@ bool HasNumbers(std::int64_t type) {
          type == kParquetFloat || type == kParquetDouble;
 }
 
-/// What a unit of time adds to the name, by converted_type or logicalType.
+/// Ending that a unit of time adds to the name, by converted_type or logicalType.
 std::string_view TimeUnitOf(const ThriftValue& element) {
   constexpr std::int64_t kTimeMs = 7, kTimeUs = 8, kMomentMs = 9, kMomentUs = 10;
   const ThriftValue& logical = element[10];

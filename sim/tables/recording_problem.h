@@ -5,7 +5,7 @@
 
 namespace gauntlet::sim {
 
-/// What can be wrong in the rows of a recording, by its name.
+/// Problems that the rows of a recording can have, by name.
 enum class RecordingProblem {
   kBeyondRange,
   kClockRestart,
@@ -28,12 +28,12 @@ enum class RecordingProblem {
 /// As remarks call it.
 std::string_view NameOf(RecordingProblem problem);
 
-/// Whether it needs a repair: something that stands in the file is left out, or time is not what it
+/// True if it needs a repair: something that stands in the file is left out, or time is not what it
 /// says. A value that is missing is no repair, nor is one beyond the joint's range.
 bool NeedsRepair(RecordingProblem problem);
 
-/// What most likely is wrong with a file of which so much needs this repair, and what to do.
-/// `usual_step_s` is the median time between rows. Empty where nothing is likelier than a bad file.
+/// Likeliest cause in a file of which so much needs this repair, and the remedy. `usual_step_s` is
+/// the median time between rows. Empty where nothing is likelier than a bad file.
 std::string LikelyCause(RecordingProblem problem, double usual_step_s);
 
 }  // namespace gauntlet::sim

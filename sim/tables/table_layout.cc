@@ -32,7 +32,7 @@ struct Line {
   std::size_t filled = 0;                    // those of them that are not empty
 };
 
-/// Where some lines end with a separator and others of one cell less do not, nothing is behind it.
+/// Drops the empty cell behind a final separator where other lines of one cell less have none.
 void DropEmptyEnds(std::vector<Line>& lines) {
   std::set<std::size_t> widths;
   for (const Line& line : lines) {

@@ -49,7 +49,7 @@ struct LiveTable {
   std::shared_ptr<const std::size_t> left_out = {};  // lines that do not fit; none: not converted
 };
 
-/// The same for a live stream whose first line has labels or the alpha encoding: its first four
+/// Plain table of a live stream whose first line has labels or the alpha encoding: its first four
 /// lines decide. Any other stream is unchanged after its first line.
 LiveTable PlainStream(TextLines::Source source);
 

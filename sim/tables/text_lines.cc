@@ -45,8 +45,8 @@ bool ClosesItsQuotes(std::string_view line) {
   });
 }
 
-/// The same text with line feeds, if its lines end with CR alone: if something follows the first CR
-/// and no LF is in sight.
+/// Text of `source` with line feeds, if its lines end with CR alone: if something follows the first
+/// CR and no LF is in sight.
 TextLines::Source WithLineFeeds(TextLines::Source source) {
   enum class Ends { kUnknown, kUsual, kCarriageReturns };
   return

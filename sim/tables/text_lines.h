@@ -34,7 +34,7 @@ class TextLines {
   /// False at the end. `line` is valid until the next call.
   /// Errors: UserError `file:line:1: ...` for one of more than 1 MB.
   bool Next(std::string_view& line);
-  /// Of the line that Next() gave last, from 1: the first one, if it is several.
+  /// Number of the line that Next() gave last, from 1: of the first one, if it is several.
   std::size_t number() const { return number_; }
   /// Next() gives these again, before all others.
   void GiveBack(std::vector<TextLine> lines);

@@ -104,7 +104,7 @@ std::optional<double> TakeClock(TimeScanner& scanner, int first) {
   return seconds;
 }
 
-/// What a clock is ahead of UTC, behind the sign.
+/// Lead of a clock over UTC [s], read from the text behind the sign.
 std::optional<double> TakeShift(TimeScanner& scanner) {
   const auto hours = scanner.TakeNumber(4);
   if (!hours) return std::nullopt;

@@ -40,7 +40,7 @@ struct GloveBlock {
         counts(glove.counts.middleRows(
             first_sample, SamplesBefore(tick + ticks, ticks_per_sample) - first_sample)) {}
 
-  /// Whether the glove has a new sample at a tick of the block.
+  /// True if the glove has a new sample at a tick of the block.
   bool HasSample(Index tick) const { return (first_tick + tick) % ticks_per_sample == 0; }
   std::span<const double> SampleAt(Index tick) const {
     GAUNTLET_ASSERT(HasSample(tick));
@@ -95,7 +95,7 @@ class FilterSteps {
   }
 
   const controller::SampleGuard& guard() const { return guard_; }
-  /// Of the block: steps x channels, how many, and how many there were when a tick ended.
+  /// Steps of the block: steps x channels, their number, and their number when a tick ended.
   std::span<const double> Counts(Index first, Index count) const {
     return RowsOf(counts_, first, count);
   }
@@ -144,7 +144,7 @@ class FilterTrial {
     estimator_.ToCounts(start_counts_);
   }
 
-  /// What its guard holds before the first good value.
+  /// Counts that its guard holds before the first good value.
   const std::vector<double>& start_counts() const { return start_counts_; }
   void UseSteps(const std::vector<FilterSteps>& all, std::size_t number) {
     steps_ = number;

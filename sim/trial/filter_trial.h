@@ -21,9 +21,9 @@ Trace RunFilterTrial(const TrialSetup& setup, const GloveSignal& glove);
 /// Gets the next ticks of `hand_angle_rad` of one of the trials, not rounded yet.
 using SeeAngles =
     std::function<void(std::size_t trial, const Eigen::Ref<const AngleRows>& hand_angle_rad)>;
-/// The same of several controllers of one glove, for who keeps no angles: they go to `see` in
-/// blocks that stay in a core's cache, a block of each trial before the next block, and no signal
-/// has columns. Trials whose guards are alike share one.
+/// Trials of several controllers of one glove, for callers that keep no angles. The angles go to
+/// `see` in blocks that stay in a core's cache, a block of each trial before the next block, and no
+/// signal has columns. Trials whose guards are alike share one.
 std::vector<Trace> RunFilterTrials(std::span<const TrialSetup> setups, const GloveSignal& glove,
                                    const SeeAngles& see);
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kLargest = 1e100;
 
-/// What a filter makes of a few samples at some rate, or why there is none.
+/// Output of a filter for a few samples at some rate, or the reason why there is none.
 struct Outcome {
   std::vector<double> values;
   std::string refusal;

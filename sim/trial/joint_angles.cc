@@ -15,7 +15,7 @@ void TrimBeside(const Signal& signal) {
   if (signal.rows() >= kTrimRows) TrimSignals();
 }
 
-/// What the channels ask of one joint.
+/// Puts the angle that the channels ask of one joint into `angle_rad`.
 void PutJointAngle(const controller::JointMap& joint_map, int joint,
                    const Eigen::Ref<const Eigen::MatrixXd>& channel_angle_rad,
                    Eigen::Ref<Eigen::VectorXd> angle_rad) {

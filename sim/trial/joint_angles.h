@@ -10,7 +10,7 @@
 
 namespace gauntlet::sim {
 
-/// What the channels ask of the joints: the joint map, row by row.
+/// Joint angles that the channels ask for: the joint map, row by row.
 /// Shapes: ticks x channels in, ticks x joints out. Units: rad.
 Signal JointAngles(const controller::JointMap& joint_map, const Signal& channel_angle_rad);
 
@@ -42,7 +42,7 @@ class JointAngleRows {
 Signal CommandAngles(const controller::TendonTransmission& transmission,
                      const IntegerSignal& command_counts);
 
-/// Where a trial's samples have been, as angles of the hand's joints, ticks x joints [rad].
+/// Stages of a trial's samples, as angles of the hand's joints, ticks x joints [rad].
 struct WayOfAngles {
   Signal raw;       // as linearised, before the filter
   Signal filtered;  // behind it

@@ -13,10 +13,9 @@ namespace gauntlet::sim {
 /// controller's prediction. 0 for planned commands, which meet the wearer but do not lead.
 double EarliestDelay_s(const HandModel& hand, const controller::ControllerConfig& controller);
 
-/// Where the delay of one trial comes from, stage by stage. None where there is nothing to measure:
-/// a wearer who did not move, or a hand that was stopped within two seconds. All angles are those
-/// of the same joints, ticks x joints [rad]; `counted` has what counts of each, all if there is
-/// none.
+/// Parts of the delay of one trial, stage by stage. None where there is nothing to measure: a
+/// wearer who did not move, or a hand that was stopped within two seconds. All angles are those of
+/// the same joints, ticks x joints [rad]; `counted` has what counts of each, all if there is none.
 std::optional<LatencyBudget> LatencyOfTrace(const HandModel& hand,
                                             const controller::ControllerConfig& controller,
                                             const Signal& reference_rad, const WayOfAngles& way,

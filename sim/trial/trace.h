@@ -16,10 +16,10 @@ namespace gauntlet::sim {
 /// 1 where something is the case, else 0.
 using FlagSignal = SignalOf<std::uint8_t>;
 
-/// What stands in trace.h5 for a value in memory. Signals are kept with 24 significant bits: 1e-7
-/// of an angle is far below what any joint can show, every count of an ADC is exact, and a long
-/// trace takes half the disk and half the time. They are rounded when they are recorded, so a
-/// score that is computed again from the file begins with the same numbers.
+/// Type in trace.h5 of a value in memory. Signals are kept with 24 significant bits: 1e-7 of an
+/// angle is far below what any joint can show, every count of an ADC is exact, and a long trace
+/// takes half the disk and half the time. They are rounded when they are recorded, so a score that
+/// is computed again from the file begins with the same numbers.
 template <class Scalar>
 using Stored = std::conditional_t<std::is_same_v<Scalar, double>, float, Scalar>;
 
@@ -48,7 +48,7 @@ struct Trace {
   HandHealth health;  // not ok: the signals end at the moment of the problem
 };
 
-/// What the same trial does with a noise-free glove, tick by tick: what remains without it is the
+/// Motion of the same trial with a noise-free glove, tick by tick: what remains without it is the
 /// noise's.
 struct NoiseFreeTwin {
   Signal hand_angle_rad;     // ticks x joints

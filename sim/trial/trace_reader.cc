@@ -240,7 +240,7 @@ void ReceiveMasked(TraceReceiver& receiver, TraceFile& file) {
       });
 }
 
-/// The same names as in a scenario.
+/// Checks a name as a scenario's names are checked.
 void CheckName(const TraceFile& file, const std::string& name) {
   const auto is_allowed = [](unsigned char letter) {
     return std::isalnum(letter) != 0 || std::string_view("_-+").find(letter) != std::string::npos;

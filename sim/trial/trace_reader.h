@@ -13,7 +13,7 @@
 
 namespace gauntlet::sim {
 
-/// What `trace.h5` says. Sizes fit each other, controllers have different names, and every number
+/// Content of `trace.h5`. Sizes fit each other, controllers have different names, and every number
 /// but those of `counts` and of a trial that ended badly is finite.
 struct TraceFile {
   std::string scenario;

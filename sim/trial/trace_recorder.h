@@ -35,7 +35,7 @@ class TraceRecorder {
   Eigen::Index left_out() const { return left_out_; }
 
  private:
-  /// What to do for one signal; the block is in the closures.
+  /// Work for one signal; the block is in the closures.
   struct Column {
     std::function<void(const HandLoop&, Eigen::Index)> read;             // into a row of the blocks
     std::function<void(Eigen::Index, Eigen::Index, Eigen::Index)> move;  // row, first tick, ticks

@@ -11,7 +11,7 @@
 
 namespace gauntlet::sim {
 
-/// What the columns of a signal are.
+/// Kind of the columns of a signal.
 enum class TraceColumns {
   kChannels,
   kJoints,

@@ -11,7 +11,7 @@
 
 namespace gauntlet::sim {
 
-/// What is in `trace.h5` on its way from the helper that reads it: numbers, texts and matrices one
+/// Content of `trace.h5` on its way from the helper that reads it: numbers, texts and matrices one
 /// after another, in an order that both sides know. A matrix is rows, columns, then its values row
 /// by row, 32 bits each, or 8 of a flag.
 class TraceSender {

@@ -29,7 +29,7 @@ std::vector<std::size_t> OrderOfVerdict(const Summary& summary);
 /// Whom a page and a video show first, at most three: the baseline, the recommended controller and
 /// the first alternative; where nothing is recommended, the baseline and the next in the order.
 std::vector<std::size_t> ShownControllers(const Summary& summary);
-/// Of each controller: "recommended", "least jitter", "baseline" or the like; empty for most.
+/// Role of each controller: "recommended", "least jitter", "baseline" or the like; empty for most.
 std::vector<std::string> RolesOf(const Summary& summary);
 
 /// The main metrics that some controller has a value of.

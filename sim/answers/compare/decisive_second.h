@@ -6,14 +6,14 @@
 
 namespace gauntlet::sim {
 
-/// Where the hands of a comparison differ most. Units: s from the begin of the motion.
+/// Second in which the hands of a comparison differ most. Units: s from the begin of the motion.
 struct DecisiveSecond {
   double from_s = 0.0;
   double to_s = 0.0;
   double moment_s = 0.0;  // within, where the difference is largest
 };
 
-/// Of the first seed, the second with the largest difference between the hand of the first of
+/// Second of the first seed with the largest difference between the hand of the first of
 /// ShownControllers() and those of the others:
 ///
 ///     difference(t) = sum over others of (mean over measured joints of (other(t) - first(t))^2)

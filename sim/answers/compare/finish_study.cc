@@ -26,8 +26,8 @@ StudyResult RunTrials(const Study& study, const StudyWork& work, TrialStore* sto
                           .store = store});
 }
 
-/// The same, kept in study.db as they finish; `not_kept` tells what it lacks in the end, if
-/// anything.
+/// Runs the trials and keeps them in study.db as they finish; `not_kept` tells what it lacks in the
+/// end, if anything.
 StudyResult RunKeptTrials(const FinishedStudy& finished, const StudyWork& work,
                           std::optional<std::string>& not_kept) {
   const std::filesystem::path file = finished.folder / "study.db";

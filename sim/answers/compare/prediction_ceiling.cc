@@ -27,7 +27,7 @@ using Eigen::Index;
 constexpr double kMost_s = 200.0;
 constexpr double kTap_ms = 5.0;  // of the fitted weights; a sample if that is longer
 
-/// The same glove for a controller that neither filters nor predicts, nor plans commands.
+/// Controller of the same glove that neither filters nor predicts, nor plans commands.
 controller::ControllerConfig Plain(controller::ControllerConfig config) {
   config.filters.clear();
   config.filter_on = controller::FilterOn::kCounts;
@@ -119,7 +119,7 @@ class Ceiling {
     }
   }
 
-  /// Of repetition number `i`.
+  /// Errors of repetition number `i`.
   Errors Measure(int seed, std::size_t i) const {
     const std::shared_ptr<const GloveSignal> glove = GloveOfSeed(study_, seed);
     const controller::JointMap joint_map = study_.joint_map();

@@ -26,7 +26,7 @@ std::string ScoresCsv(const StudyResult& result);
 /// names. Errors: RunError for one that cannot be read.
 std::string ResolvedScenario(const FinishedStudy& finished);
 
-/// What is written beside trace.h5.
+/// Formats of the traces that are written beside trace.h5.
 struct TraceFormats {
   bool csv = false;   // a file per controller
   bool mcap = false;  // trace.mcap

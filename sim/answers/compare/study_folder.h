@@ -33,7 +33,7 @@ struct StudyFolder {
 /// for columns that are not those of Metrics().
 ScoreFile ParseScoresCsv(const std::string& name, std::string_view text);
 
-/// Whether the scores of an output folder are those of a comparison.
+/// True if the scores of an output folder are those of a comparison.
 bool HoldsComparison(const std::filesystem::path& folder);
 
 /// Reads `scenario.resolved.yaml` and `scores.csv`, checked by the manifest. Errors: UserError in

@@ -10,7 +10,7 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Of a remark about what the map of a recording assumes: see AssumptionsOf().
+/// Mark of a remark about what the map of a recording assumes: see AssumptionsOf().
 constexpr std::string_view kAssumed = ": assumed: ";
 
 std::vector<std::vector<double>> RowMeans(const StudyResult& result, std::size_t controller) {

@@ -76,7 +76,7 @@ struct SweepPlan {
   /// The value of each axis. Cells are numbered so that settings which controllers share vary
   /// slowest: neighbours have the same glove and hand.
   std::vector<std::string> ValuesOf(std::int64_t cell) const;
-  /// The same as overrides, `key=value`.
+  /// Values of the axes as overrides, `key=value`.
   std::vector<std::string> OverridesOf(std::int64_t cell) const;
 };
 
@@ -92,7 +92,7 @@ struct SweepOverrides {
 /// a file there. Errors: UserError with the place in the file for what is unknown, missing or empty
 /// or contradictory; also for an axis of which no value can be built.
 SweepPlan LoadSweepPlan(const std::filesystem::path& file, const SweepOverrides& overrides = {});
-/// The same of the text of a file.
+/// Plan from the text of a file. Errors: as LoadSweepPlan().
 SweepPlan ParseSweepPlan(const std::filesystem::path& file, std::string_view text,
                          const SweepOverrides& overrides = {});
 

@@ -240,8 +240,8 @@ void FindFront(const TunePlan& plan, TuneResult& result) {
   }
 }
 
-/// What the glove's noise adds to the jitter of a setting, on the seeds of the search: what is
-/// beyond it no filter takes away. Empty where jitter has no bound.
+/// Contribution of the glove's noise to the jitter of a setting, on the seeds of the search: no
+/// filter takes away the rest. Empty where jitter has no bound.
 std::string JitterOfNoise(const TunePlan& plan, const TuneResult& result,
                           const TunedSetting& setting, int jobs,
                           const TuneBench::Progress& progress) {

@@ -20,8 +20,8 @@ struct TunedKind {
   bool has_answer() const { return left_out.empty() && result.problem.empty(); }
 };
 
-/// The same search for every kind of filter: SearchSettings() with the settings of SearchOf() and
-/// the same number of evaluations, on the same glove and hand, judged on the same held-out seeds.
+/// Search for every kind of filter: SearchSettings() with the settings of SearchOf() and the same
+/// number of evaluations, on the same glove and hand, judged on the same held-out seeds.
 /// `plan.controller` keeps all its settings but the filter; `plan.free` and `plan.front_jitter_deg`
 /// are not looked at: fronts are searched at 0.7, 0.5, 0.35 and 0.25 times the jitter that the
 /// controller has as it is. Kinds with an answer come first, the best first; all their pairs are

@@ -7,7 +7,7 @@
 
 namespace gauntlet::sim {
 
-/// What a user asks of a search, in texts; the names are those of the options of `gauntlet tune`.
+/// Request of a user for a search, in texts; the names are those of the options of `gauntlet tune`.
 struct TuneRequest {
   std::string controller;         // empty with `all`: the baseline
   std::vector<std::string> free;  // see ParseFree()

@@ -24,7 +24,7 @@ Verdict VerdictOf(const TunePlan& plan, const std::vector<TunedKind>& kinds);
 /// A row per setting that was tried.
 std::string TuneCsv(const TunePlan& plan, const TuneResult& result);
 std::string TuneJson(const TunePlan& plan, const TuneResult& result);
-/// The same of all kinds of filters: `tune --all`.
+/// Row per kind of filter: `tune --all`.
 std::string TuneAllCsv(const std::vector<TunedKind>& kinds);
 std::string TuneAllJson(const TunePlan& plan, const std::vector<TunedKind>& kinds);
 

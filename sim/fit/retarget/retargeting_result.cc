@@ -27,7 +27,7 @@ double ShareAbove(const std::vector<double>& values, double limit) {
          static_cast<double>(values.size());
 }
 
-/// Of all pinches of the recording.
+/// Pinches of the recording: all, and those kept.
 struct Pinches {
   std::size_t count = 0;
   std::size_t kept = 0;

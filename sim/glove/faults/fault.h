@@ -22,14 +22,14 @@ struct FaultOccurrence {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// Where on the way of a sample a fault acts.
+/// Stage on the way of a sample at which a fault acts.
 enum class FaultStage {
   kSampling,  // the moments of sampling, before there is noise, which no sampling makes smaller
   kAnalog,    // the electrical signal, before the converter
   kDigital,   // the frames, behind the converter: a missing value is NaN
 };
 
-/// What is true of every fault of one kind.
+/// Properties that every fault of one kind has.
 struct FaultNature {
   FaultStage stage;
   bool of_frames = false;   // strikes all its channels at once

@@ -15,7 +15,7 @@ namespace {
 /// In place of a channel: that of all channels together.
 constexpr int kFrame = -1;
 
-/// Of a fault's place in the list and a channel.
+/// Index of the random stream for a fault's place in the list and a channel.
 std::uint64_t StreamIndex(std::size_t fault, int channel) {
   return fault * 1000 + static_cast<std::uint64_t>(channel + 1);
 }
@@ -24,8 +24,8 @@ double Exponential(RandomStream& random, double mean) {
   return -mean * std::log(random.UniformAboveZero());
 }
 
-/// Of one channel, which the stream belongs to. From one to the next there is a gap, so that both
-/// the rate and the duration are as stated.
+/// Adds the faults of one channel, which the stream belongs to. From one to the next there is a
+/// gap, so that both the rate and the duration are as stated.
 void AddEvents(const FaultConfig& fault, RandomStream random, int channel, int samples,
                double rate_hz, std::vector<FaultEvent>& events) {
   GAUNTLET_ASSERT(rate_hz > 0.0);

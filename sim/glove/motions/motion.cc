@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kLongest_s = 3600.0;
 
-/// Where the thumb, away from the palm, meets no finger wherever the other joints are: in none of
-/// 10,000 postures that are uniform over these ranges and those of all other joints.
+/// Ranges in which the thumb, away from the palm, meets no finger wherever the other joints are: in
+/// none of 10,000 postures that are uniform over these ranges and those of all other joints.
 constexpr std::array<Channel, 3> kClearOfFingers = {{
     {"thumb_rotation", 0, 45, ""},
     {"thumb_abduction", 45, 60, ""},

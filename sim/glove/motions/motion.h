@@ -19,7 +19,7 @@ struct Recording;
 struct Motion {
   Signal angle_rad;               // samples x channels
   std::vector<Segment> segments;  // that a person labelled
-  /// What a recorded glove said, where the recording is of a glove; else empty. NaN is missing.
+  /// Angles that a recorded glove measured; empty without such a recording. NaN is missing.
   Signal measured_rad;
   std::vector<MaskedStretch> masked;           // of a recording: unknown motion, in samples
   std::shared_ptr<const Recording> recording;  // what it was made from, if it was
@@ -28,7 +28,7 @@ struct Motion {
   std::vector<std::string> remarks;  // what was repaired in a recording, one line each
 };
 
-/// What all kinds of motion need to know besides their own settings.
+/// Facts that all kinds of motion need besides their own settings.
 struct MotionContext {
   double rate_hz = 1000.0;
   std::uint64_t seed = 0;

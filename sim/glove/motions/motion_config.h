@@ -34,7 +34,7 @@ class MotionSettings
   ~MotionSettings();
 };
 
-/// What the wearer does: `kind`, `label`, then the settings of that kind.
+/// Motion of the wearer: `kind`, `label`, then the settings of that kind.
 struct MotionConfig {
   MotionSettings settings = RandomMotionConfig{};
   std::string label = {};  // of the whole of it; empty: none, or those of a sequence's parts

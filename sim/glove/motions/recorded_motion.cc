@@ -47,7 +47,7 @@ Recording Load(const RecordedMotionConfig& config, const RecordingFormat& format
 }
 
 /// The stretch at the sampling rate; channels that the recording lacks hold the posture `rest`.
-/// Where nothing was recorded for long a sample is made like all others, and `masked`.
+/// Samples in long gaps of the recording are made like all others, and `masked`.
 Signal AtSamplingRate(const RecordedMotionConfig& config, const Recording& recording,
                       const PlayedStretch& stretch, Resampling how,
                       std::vector<MaskedStretch>& masked) {
@@ -118,7 +118,7 @@ std::size_t SampleCount(const RecordedMotionConfig& config, const Recording& rec
   return static_cast<std::size_t>(std::floor(available_s * context.rate_hz + 1e-6)) + 1;
 }
 
-/// What the recording stands for, and the settings that depend on it.
+/// Use of the recording, and the settings that depend on it.
 void VisitUse(controller::SettingsVisitor& visitor, RecordedMotionConfig& config) {
   controller::VisitEnum(visitor, {"use", "the wearer's true motion, or what a real glove measured"},
                         kUseNames, config.use);

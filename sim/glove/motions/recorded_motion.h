@@ -11,13 +11,13 @@
 
 namespace gauntlet::sim {
 
-/// What a recording stands for.
+/// Meaning of a recording.
 enum class RecordingUse {
   kTruth,     // the wearer's true motion, under the simulated glove
   kMeasured,  // what a real glove said: it goes to the converter as it is
 };
 
-/// Where the time of the reference comes from.
+/// Source of the reference's offset in time.
 enum class ReferenceOffset {
   kGiven,  // reference_offset_s
   kAuto,   // found by correlation

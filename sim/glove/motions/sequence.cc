@@ -27,7 +27,7 @@ State StartState(const Signal& angle_rad, Eigen::Index c, double step_s) {
   return StateFrom(angle_rad(0, c), angle_rad(1, c), angle_rad(2, c), step_s);
 }
 
-/// Where the motion would be one sample after its end.
+/// State of the motion one sample after its end.
 State StateAfter(const Signal& angle_rad, Eigen::Index c, double step_s) {
   const Eigen::Index n = angle_rad.rows();
   if (n < 3) return {angle_rad(n - 1, c), 0.0, 0.0};

@@ -10,7 +10,7 @@
 namespace gauntlet::sim {
 
 /// Tremor of the wearer's hand. It is no noise of the glove, which measures it correctly.
-/// Whether the robot hand should follow it is a choice; `belongs_to_truth` makes it.
+/// `belongs_to_truth` chooses whether the robot hand should follow it.
 ///
 /// Narrow-band random oscillation: eight sines per channel of random phase and frequency within the
 /// band, and eight that all channels share.

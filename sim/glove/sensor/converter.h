@@ -18,10 +18,10 @@ struct ConverterConfig {
   std::vector<double> bits = {10.0};
   std::vector<double> min_counts = {0.0};  // below 0: signed
 
-  /// Of a channel of KnownChannels().
+  /// Bits for a channel of KnownChannels().
   double bits_of(std::size_t channel) const;
   controller::ConverterRange range(std::size_t channel) const;
-  /// Of each channel of KnownChannels().
+  /// Ranges of each channel of KnownChannels().
   std::vector<controller::ConverterRange> ranges() const;
 
   /// Errors: SettingError for lists of a wrong length, or numbers that are not whole.

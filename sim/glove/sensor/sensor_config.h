@@ -37,7 +37,7 @@ struct SensorConfig {
   double drift_deviation_percent = 0.0;
   double drift_time_s = 120.0;
 
-  /// What the nominal sensor gives at the ends of a joint's range.
+  /// Counts of the nominal sensor at the ends of a joint's range.
   double low_counts(const controller::ConverterRange& range) const {
     return range.min_counts + 0.01 * low_percent * range.span_counts();
   }

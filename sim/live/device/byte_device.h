@@ -31,10 +31,10 @@ class ByteDevice {
   /// Sends bytes back, if the device takes them now.
   virtual void Write(std::string_view /*bytes*/) {}
   virtual ByteFlow flow() const = 0;
-  /// Of packets and openings alone.
+  /// Counts of packets and openings alone.
   const SourceCounts& counts() const { return counts_; }
   const std::string& problem() const { return problem_; }
-  /// What the system allowed; may be empty.
+  /// Settings that the system allowed; may be empty.
   virtual std::string Facts() const { return {}; }
 
  protected:

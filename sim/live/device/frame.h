@@ -32,7 +32,7 @@ struct DeviceColumns {
   int version = 0;                         // grows with every change
 };
 
-/// What a source received since it was opened.
+/// Counts of a source since it was opened.
 struct SourceCounts {
   std::uint64_t frames = 0;
   std::uint64_t garbage = 0;      // lines, packets and stretches of bytes that are no frame

@@ -42,7 +42,7 @@ class FrameDecoder {
   /// The detected or chosen format; kDetect: not known yet.
   virtual FrameFormat format() const = 0;
   virtual const DeviceColumns& columns() const { return columns_; }
-  /// Of frames, garbage and half frames alone.
+  /// Counts of frames, garbage and half frames alone.
   virtual const SourceCounts& counts() const { return counts_; }
   virtual const std::string& problem() const { return problem_; }
 
@@ -59,7 +59,7 @@ class FrameDecoder {
   void NameColumns(std::vector<std::string> names);
   /// Passes on a frame of these values, with number and time of its columns.
   void Emit(std::span<double> values, std::int64_t arrival_ns, const FrameReceiver& receive);
-  /// The same for a format with number and time of its own.
+  /// Passes on a frame of a format with number and time of its own.
   void Emit(DeviceFrame frame, std::span<double> values, const FrameReceiver& receive);
 
   DeviceColumns columns_;

@@ -17,7 +17,7 @@ struct OutgoingFrame {
   std::span<const double> values = {};  // kMissing: no value
 };
 
-/// What a sink did since it was opened.
+/// Counts of a sink since it was opened.
 struct SinkCounts {
   std::uint64_t frames = 0;   // that the system took
   std::uint64_t dropped = 0;  // whole frames for which there was no room; a newer one replaced them

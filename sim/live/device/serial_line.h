@@ -23,7 +23,7 @@ class SerialLine {
   /// Opens a line again that was closed, at most five times per second. Returns the reason if it
   /// stays closed; empty if it is open.
   std::string Reopen();
-  /// What the system allowed, as `low latency, latency timer 1 ms`.
+  /// Settings that the system allowed, as `low latency, latency timer 1 ms`.
   const std::string& facts() const { return facts_; }
 
  private:

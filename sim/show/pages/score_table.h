@@ -14,7 +14,7 @@ std::string Measured(const Study& study);
 /// How long the trials are: "10.8 s", "3.1 to 5.4 s".
 std::string DurationText(const StudyResult& result);
 
-/// What differs from seed to seed: "one motion, 8 noises", "25 motions, one noise each".
+/// Differences from seed to seed: "one motion, 8 noises", "25 motions, one noise each".
 std::string WhatVaries(const StudyResult& result);
 
 /// How the marks and intervals come about, a sentence or two each: for the table and the page.

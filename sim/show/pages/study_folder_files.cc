@@ -11,7 +11,7 @@
 namespace gauntlet::sim {
 namespace {
 
-/// What a video of the finished study shows, drawn now or later by `gauntlet render`.
+/// Content of a video of the finished study, drawn now or later by `gauntlet render`.
 VideoBeside VideoOfPage(const FinishedStudy& finished, bool is_drawn) {
   VideoBeside video{.exists = is_drawn};
   std::optional<Excerpt> again;

@@ -6,7 +6,7 @@
 
 namespace gauntlet::sim {
 
-/// What gauntlet validate found, as a page without scripts: the table of the terminal, and for each
+/// Findings of gauntlet validate as a page without scripts: the table of the terminal, and for each
 /// part the measured angle beside the simulated one where it moves most, and their difference.
 std::string ValidationPage(const Validation& validation);
 

@@ -214,7 +214,7 @@ std::vector<double> SeedValues(const StudyResult& result, const std::string& con
   return SeedValues(result, ControllerIndex(result, controller), MetricIndex(metric));
 }
 
-/// What the filter takes away of a score, in percent, seed by seed.
+/// Reduction of a score by the filter, in percent, seed by seed.
 std::vector<double> Reduction(const StudyResult& result, std::string_view metric) {
   const std::vector<double> raw = SeedValues(result, "raw", metric);
   std::vector<double> percent = SeedValues(result, "paper_kalman", metric);

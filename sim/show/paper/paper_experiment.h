@@ -14,7 +14,7 @@
 
 namespace gauntlet::sim {
 
-/// What a filter is, told without any signal: from its answer to a single pulse, once it has
+/// Properties of a filter, found without any signal: from its answer to a single pulse, once it has
 /// settled.
 struct PaperFilter {
   std::string name;

@@ -15,7 +15,7 @@ namespace gauntlet::sim {
 /// whole model. Errors: UserError for a camera that the model lacks.
 std::optional<int> FindCamera(const mjModel& model, const std::string& name, bool tall);
 
-/// What a camera shows: how far its picture reaches, as tangents of the angles from its axis.
+/// Extent of a camera's picture, as tangents of the angles from its axis.
 struct CameraWindow {
   double left = 0.0;
   double right = 0.0;

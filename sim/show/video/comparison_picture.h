@@ -34,7 +34,7 @@ class ComparisonPicture {
 
   const FrameClock& clock() const { return clock_; }
   int frame_count() const { return clock_.FrameCount(); }
-  /// Of the pictures of hands that Draw() expects.
+  /// Size of the pictures of hands that Draw() expects.
   int view_width_px() const;
   int view_height_px() const;
   /// Side of the pictures of fingertips; 0: there are none.
@@ -44,7 +44,7 @@ class ComparisonPicture {
   /// The sample that a pane shows: its last one where a trial was stopped before.
   int SampleOf(int pane, int frame) const;
 
-  /// Of lines around the wearer's hand.
+  /// Width of lines around the wearer's hand.
   int outline_px() const;
   /// Whole frames before and after the motion.
   void DrawTitle(ImageView image) const;

@@ -95,8 +95,7 @@ std::vector<Chapter> ChaptersOf(const VideoInput& input, const FrameClock& clock
   return chapters;
 }
 
-/// What one process needs to draw frames of a scene: its own context, posture and pictures of
-/// hands.
+/// Tools of one process to draw frames of a scene: its own context, posture and pictures of hands.
 class FrameArtist {
  public:
   FrameArtist(const Scene& scene, const HandModel& hand)

@@ -66,7 +66,7 @@ struct VideoStretch {
   double to_s = 0.0;
   double speed = 1.0;
 };
-/// Of a video of a whole motion of `samples`.
+/// Stretches of a video of a whole motion of `samples`.
 std::vector<VideoStretch> StretchesOf(bool has_title, double rate_hz, std::int64_t samples,
                                       int frames_per_s, const std::optional<Excerpt>& again);
 

@@ -41,7 +41,7 @@ class CurvePlot {
   CurvePlot(const Rect& area, double unit, const AngleScale& scale, const FrameClock& clock,
             bool times = true);
 
-  /// What does not move: lines and labels of angles.
+  /// Fixed parts: lines and labels of angles.
   void DrawScale(Painter& painter) const;
   /// Curves up to `frame`, in the order given, and lines of time.
   void Draw(Painter& painter, int frame, std::span<const Curve> curves) const;

@@ -7,9 +7,9 @@
 
 namespace gauntlet::sim {
 
-/// What Gauntlet has of OSMesa and libav, as a library of its own: they bring 140 others along,
-/// which take three quarters of the time in which the program starts, and few commands draw.
-/// Measured in docs/evidence/benchmarks.md.
+/// Functions of Gauntlet that use OSMesa and libav, in a library of their own: OSMesa and libav
+/// bring 140 others along, which take three quarters of the time in which the program starts, and
+/// few commands draw. Measured in docs/evidence/benchmarks.md.
 struct DrawingLibrary {
   std::unique_ptr<OffScreenContext> (*open_context)();
   std::unique_ptr<VideoEncoder> (*open_encoder)(const OutputFile& file, const VideoFormat& format);

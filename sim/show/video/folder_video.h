@@ -14,8 +14,8 @@
 
 namespace gauntlet::sim {
 
-/// What the folder of a finished run or comparison has to show: its `trace.h5`,
-/// `scenario.resolved.yaml` and `scores.json`, checked by the manifest, as the input of a video.
+/// Video input from the folder of a finished run or comparison: its `trace.h5`,
+/// `scenario.resolved.yaml` and `scores.json`, checked by the manifest.
 class FolderVideo {
  public:
   /// `keep_going` is asked now and then; false throws Cancelled.

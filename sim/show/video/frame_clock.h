@@ -7,7 +7,7 @@
 
 namespace gauntlet::sim {
 
-/// What a video shows of a motion, and how fast.
+/// Part of a motion that a video shows, and its speed.
 struct Excerpt {
   double from_s = 0.0;
   double to_s = std::numeric_limits<double>::infinity();  // at most to the end of the motion

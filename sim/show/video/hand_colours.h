@@ -8,7 +8,7 @@
 
 namespace gauntlet::sim {
 
-/// What the colours of all panes of a video are measured by.
+/// Scale of the colours of all panes of a video.
 struct ColourScale {
   double largest_tension_n = 0.0;  // in any pane; 0: no tension is known
   /// Links with this error have the full colour: one of the usual steps that all joints in
@@ -18,12 +18,12 @@ struct ColourScale {
 
 ColourScale ColourScaleOf(const VideoInput& input);
 
-/// Of all that belongs to a pane's hand.
+/// Colour of all that belongs to a pane's hand.
 Color ColourOfPane(const VideoInput& input, int pane);
 
-/// What the colours of a hand say at a sample: how its cables pull, and of each link how far its
-/// joints are from the wearer's. Links that no measured joint moves have the colour of what carries
-/// them. Where the wearer's motion is unknown there is no colour.
+/// Colours of a hand at a sample: the pull of its cables, and the distance of each link's joints
+/// from the wearer's. Links that no measured joint moves have the colour of what carries them.
+/// Colours are absent where the wearer's motion is unknown.
 class HandColours {
  public:
   /// `input` and `hand` must outlive it.

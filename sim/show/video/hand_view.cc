@@ -41,7 +41,7 @@ int EndOfChain(const mjModel& model, int body) {
   return end;
 }
 
-/// Of the shapes of a body the one that is furthest out; -1 if it has none.
+/// Outermost shape of a body; -1 if it has none.
 int OutermostGeom(const mjModel& model, int body) {
   int outermost = -1;
   double furthest_m = -1.0;
@@ -149,7 +149,7 @@ std::vector<int> ShapesThatMatter(const VideoInput& input, const HandModel& hand
   return shapes;
 }
 
-/// Of the shapes only those of all fingers, or of the one that a joint is in; all where that leaves
+/// Keeps only the shapes of all fingers, or of the one that a joint is in; all where that leaves
 /// none, as for a joint of the wrist.
 void KeepFramed(const HandModel& hand, Framed framed, int joint, std::vector<int>& shapes) {
   if (framed == Framed::kWhatMoves) return;

@@ -42,8 +42,8 @@ struct FingertipPath {
   int IndexAt(double time_s) const;
 };
 
-/// What the camera shows of all hands in all panes, the same for each: the shapes that move in any
-/// of them, and the palm, as large as fits. It follows the palm of the wearer's hand and does not
+/// View of the camera on all hands in all panes, the same for each: the shapes that move in any of
+/// them, and the palm, as large as fits. It follows the palm of the wearer's hand and does not
 /// turn.
 ///
 /// Slow motion also has a picture of each fingertip, `kMagnification` times as large, that follows
@@ -59,7 +59,7 @@ class HandView {
   HandView(const VideoInput& input, const HandModel& hand, int width_px, int height_px,
            int inset_px = 0);
 
-  /// What the camera shows while the wearer's hand is as in `wearer`. None for the free camera, and
+  /// Window of the camera while the wearer's hand is as in `wearer`. None for the free camera, and
   /// where nothing moves: all that it sees.
   std::optional<CameraWindow> WindowAt(const mjData& wearer) const;
   /// How hands are drawn; the window is set for each frame.
@@ -68,7 +68,7 @@ class HandView {
   /// Per body of the model, whether it is of the hand and moves against the camera's own; none for
   /// the free camera.
   const std::vector<bool>& bodies() const { return bodies_; }
-  /// Of each pane; no places where there is no window or no picture of it.
+  /// Fingertip path of each pane; no places where there is no window or no picture of it.
   const FingertipPath& fingertip(int pane) const { return fingertips_[pane]; }
   int inset_px() const { return inset_px_; }
   CameraWindow InsetAround(Point tangents) const;
@@ -76,7 +76,7 @@ class HandView {
  private:
   std::optional<CameraWindow> FrameWhatMoves(const VideoInput& input, const HandModel& hand,
                                              mjData& data) const;
-  /// Of the palm, which the window follows; the middle of the picture where there is no palm.
+  /// Place of the palm, which the window follows; the middle of the picture where there is no palm.
   Point PalmIn(const mjData& data) const;
 
   int width_px_;

@@ -16,7 +16,7 @@ class OffScreenContext {
   virtual void ReadDepths(int width_px, int height_px, float* depths) const = 0;
 };
 
-/// Of OSMesa, in the drawing library. Errors: RunError.
+/// Context of OSMesa, in the drawing library. Errors: RunError.
 std::unique_ptr<OffScreenContext> OpenOsmesaContext();
 
 }  // namespace gauntlet::sim

@@ -17,7 +17,7 @@ struct VideoFrame {
 
 class SharedImages;
 
-/// What one process has to do, frame after frame.
+/// Tasks of one process, frame after frame.
 class Frames {
  public:
   Frames(WorkerProcess::Tasks& tasks, const SharedImages& images)

@@ -36,7 +36,7 @@ mjvCamera CameraOf(const mjModel& model, const RendererConfig& config) {
   return camera;
 }
 
-/// Whether the camera's field of view is meant for the height of the picture.
+/// True if the camera's field of view is meant for the height of the picture.
 bool IsMadeForTall(const mjModel& model, const RendererConfig& config) {
   return FindCamera(model, config.camera, true) != FindCamera(model, config.camera, false);
 }
@@ -166,8 +166,9 @@ struct OsmesaRenderer::Context {
     if (!config.shadows) RemoveOutOfSight(scene, config.width_px, config.height_px);
   }
 
-  /// Where a translucent shape lies over an opaque one, blending leaves an alpha below 1: the depth
-  /// says that the pixel is covered. Over the background the colour bounds the alpha from below.
+  /// Repairs the alpha where a translucent shape lies over an opaque one, since blending leaves it
+  /// below 1. There the depth says that the pixel is covered. Over the background the colour bounds
+  /// the alpha from below.
   void RepairAlpha() {
     const bool translucent = std::any_of(scene.geoms, scene.geoms + scene.ngeom,
                                          [](const mjvGeom& geom) { return geom.rgba[3] < 1.0f; });

@@ -37,9 +37,9 @@ struct RendererConfig {
 
 /// Draws a model off-screen, without a display, on the CPU.
 ///
-/// What the model does not cover stays transparent. For a picture taller than wide FindCamera()
-/// takes the upright camera where the model has one; where not, the camera's field of view becomes
-/// that in width, so that the hand is not cut off.
+/// Pixels that the model does not cover stay transparent. For a picture taller than wide
+/// FindCamera() takes the upright camera where the model has one; where not, the camera's field of
+/// view becomes that in width, so that the hand is not cut off.
 /// One thread of a process may have renderers, and draw with one at a time: Mesa's rasteriser keeps
 /// the scenes of all contexts in one list, and walks through it without a lock (llvmpipe of 22.3).
 /// Errors: UserError for a camera that the model lacks, RunError for a context that cannot be made.
@@ -51,11 +51,11 @@ class OsmesaRenderer {
   OsmesaRenderer(const OsmesaRenderer&) = delete;
   OsmesaRenderer& operator=(const OsmesaRenderer&) = delete;
 
-  /// What the next pictures show, as RendererConfig::window.
+  /// Sets the window of the next pictures, as RendererConfig::window.
   void SetWindow(const std::optional<CameraWindow>& window);
   /// The posture in `data`, whose kinematics are computed, as a picture of the configured size.
   void Draw(mjData& data, Image& picture, const SceneColours& colours = {});
-  /// The same of some bodies only, chosen by their numbers, and without cables.
+  /// As Draw(), for some bodies only, chosen by their numbers, and without cables.
   void DrawBodies(mjData& data, const std::vector<bool>& chosen, Image& picture);
 
  private:

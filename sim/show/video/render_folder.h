@@ -26,12 +26,12 @@ struct RenderOptions {
   int jobs = 1;
 };
 
-/// Where `folder` has its video, and a picture of one moment of it.
+/// Places in `folder` of its video and of a picture of one moment of it.
 std::filesystem::path VideoOf(const std::filesystem::path& folder);
 std::filesystem::path PictureOf(const std::filesystem::path& folder);
 
-/// What can be known of a video before the motion that it shows: a folder in its place. Sizes and
-/// camera are checked with the scenario. Errors: UserError.
+/// Checks of a video all that can be known before the motion is drawn: that no folder is in its
+/// place. Sizes and camera are checked with the scenario. Errors: UserError.
 void CheckVideoTarget(const std::filesystem::path& target);
 
 /// Draws the comparison video or one frame of it from `trace.h5` and `scenario.resolved.yaml`,

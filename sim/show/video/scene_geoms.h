@@ -18,7 +18,7 @@ void RemovePlanes(mjvScene& scene);
 /// Cables as bars of four sides, not as round ones.
 void FlattenCables(mjvScene& scene);
 
-/// What colours say in one drawing. Where nothing is given: as the model has them.
+/// Colours of one drawing. Where nothing is given: as the model has them.
 struct SceneColours {
   /// Per cable of the model, how it pulls, 0 .. 1: white where it is slack (0), else from brown to
   /// red with the root of the share, so that small pulls differ, too.
@@ -39,8 +39,8 @@ void ShowWindow(mjvScene& scene, const CameraWindow& window);
 /// `factor` times as much to be seen in height.
 void WidenView(mjvScene& scene, double factor);
 
-/// What cannot be in the picture: bounding spheres beyond the cone around the view. Not to be used
-/// with shadows, since what is out of sight may cast one into it.
+/// Removes shapes that cannot be in the picture: bounding spheres beyond the cone around the view.
+/// Not to be used with shadows, since a shape out of sight may cast one into it.
 void RemoveOutOfSight(mjvScene& scene, int width_px, int height_px);
 
 }  // namespace gauntlet::sim

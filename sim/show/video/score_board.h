@@ -25,7 +25,7 @@ struct ScoreBoardRow {
   std::size_t series = 1;             // of its colour
 };
 
-/// What a run or comparison found, for people who look for two seconds.
+/// Findings of a run or comparison, for people who look for two seconds.
 struct ScoreBoard {
   std::string answer = {};  // sentences of the verdict
   std::vector<std::string> columns;
@@ -33,7 +33,7 @@ struct ScoreBoard {
   std::string remark;  // what the numbers stand on
 };
 
-/// What `scores.json` says of a video, besides the scores.
+/// Entries of `scores.json` about a video, besides the scores.
 struct VideoPlan {
   /// A controller, in the order of the verdict.
   struct Named {

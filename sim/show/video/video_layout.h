@@ -11,7 +11,7 @@ inline constexpr int kMaxPanes = 8;
 /// Errors: UserError for a number of controllers that a video cannot show side by side.
 void CheckPaneCount(int pane_count);
 
-/// Where the parts of one pane lie. All edges are whole pixels.
+/// Places of the parts of one pane. All edges are whole pixels.
 struct PaneLayout {
   Rect card{};
   Rect title{};

@@ -53,7 +53,7 @@ int NumberOf(const std::string& message) {
   return number;
 }
 
-/// What is known of too little memory, as the rest of a sentence; empty if nothing is.
+/// Known limit of memory, as the rest of a sentence; empty if none is known.
 std::string LimitOfMemory() {
   rlimit limit = {};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return "";
@@ -78,7 +78,7 @@ std::string EndOf(ChildProcess& process, const std::string& does) {
                      reason);
 }
 
-/// What the child does in place of the parent's own way on.
+/// Work of the child in place of the parent's own way on.
 void WorkInChild(int socket, const std::string& does,
                  const std::function<void(WorkerProcess::Tasks&)>& work) {
   dup2(socket, kSocketOfChild);

@@ -44,7 +44,7 @@ std::vector<std::string> ChannelNamesOf(const GloveConfig& glove, const YamlNode
   return names;
 }
 
-/// What the file of a controller's calibration says becomes its settings; its own keys win.
+/// Takes a controller's settings from the file of its calibration; its own keys win.
 void IncludeCalibrations(const YamlNode& root, const YamlSource& source,
                          const std::vector<std::string>& channels, Scenario& scenario) {
   for (NamedController& controller : scenario.controllers) {
@@ -64,8 +64,8 @@ void IncludeCalibrations(const YamlNode& root, const YamlSource& source,
   }
 }
 
-/// What the file of a controller's chain says becomes the horizon of its prediction, unless that
-/// has one of its own.
+/// Takes the horizon of a controller's prediction from the file of its chain, unless the prediction
+/// has a horizon of its own.
 void IncludeChains(const YamlNode& root, const YamlSource& source,
                    const std::vector<AutoHorizon>& auto_horizons,
                    const std::vector<std::string>& channels, Scenario& scenario) {
@@ -95,8 +95,8 @@ void IncludeChains(const YamlNode& root, const YamlSource& source,
   }
 }
 
-/// Where a filter's measurement variance r is left out: the paper's is for 18 channels in counts;
-/// any other glove gets that of the scenario's own noise.
+/// Fills in a filter's measurement variance r where it is left out: the paper's is for 18 channels
+/// in counts; any other glove gets that of the scenario's own noise.
 void FillMeasurementVariances(const YamlNode& root, const YamlSource& source,
                               const std::vector<std::string>& channels, Scenario& scenario) {
   for (NamedController& named : scenario.controllers) {

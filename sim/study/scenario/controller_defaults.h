@@ -8,7 +8,7 @@
 
 namespace gauntlet::sim {
 
-/// What stands in a scenario as `prediction.horizon_ms: auto`, and where.
+/// Place of a `prediction.horizon_ms: auto` in a scenario.
 struct AutoHorizon {
   std::string controller;
   YamlNode node;

@@ -9,8 +9,8 @@
 
 namespace gauntlet::sim {
 
-/// What differs between the repetitions of a comparison: settings below `glove.` that have a list
-/// of values. Repetition i is a whole glove, made with the i-th value of each list.
+/// Differences between the repetitions of a comparison: settings below `glove.` that have a list of
+/// values. Repetition i is a whole glove, made with the i-th value of each list.
 struct Repetitions {
   std::vector<std::string> keys;    // as "glove.motion.file", in the order of the file
   std::vector<GloveConfig> gloves;  // one per repetition; none: there are no lists
@@ -37,7 +37,7 @@ std::vector<RepeatedSetting> ReadRepetitions(const YamlNode& root, const YamlSou
 /// Takes all of that away, so that the tree has only what a scenario has.
 void RemoveRepetitions(YamlNode& root);
 
-/// Where lists of values come from: the scenario's file, or --set.
+/// Source of lists of values: the scenario's file, or --set.
 enum class ListsFrom { kFile, kSet };
 
 /// Puts the i-th value of each list from there over the tree, at the place where it stands.

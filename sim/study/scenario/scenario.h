@@ -22,14 +22,14 @@ struct NamedController {
   std::string calibration = {};
   /// File of `gauntlet identify`, likewise.
   std::string chain = {};
-  /// What the computer does with the glove's samples, in place of `link.glove.receiver`.
+  /// Computer's handling of the glove's samples, in place of `link.glove.receiver`.
   std::optional<ReceiverConfig> receiver = {};
   controller::ControllerConfig config;
 
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// What the video shows besides the hands.
+/// Content of the video besides the hands.
 struct VideoConfig {
   // Below, texts cannot be read. Sides are even: in the video two neighbours share their colour.
   static constexpr int kMinWidth_px = 480;
@@ -52,7 +52,7 @@ struct NamedFile {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// What made a resolved scenario; empty in one that a person wrote.
+/// Origin of a resolved scenario; empty in one that a person wrote.
 struct MadeWith {
   std::string gauntlet_version;
   std::string mujoco_version;

@@ -138,7 +138,7 @@ RepeatedSettings FirstTreeOf(const ScenarioText& text, const Overrides& override
   return lists;
 }
 
-/// What the tree of one repetition says.
+/// Scenario of one repetition, read from the tree.
 Scenario ReadScenario(const RepeatedSettings& lists, std::size_t repetition, YamlNode& root,
                       const YamlSource& source) {
   RemoveRepetitions(root);

@@ -31,13 +31,13 @@ ScenarioText ParseScenarioText(const std::filesystem::path& file, std::string_vi
 /// and so is what could not be a name or a text of the results. Paths in the scenario are relative
 /// to the file.
 ///
-/// Where --set changes the seed, the repetitions begin with the one that the new seed has in the
-/// file: a seed is the same trial however it is asked for.
+/// Repetitions begin, if --set changes the seed, with the one that the new seed has in the file: a
+/// seed is the same trial however it is asked for.
 Scenario ParseScenario(const ScenarioText& text, const std::vector<std::string>& overrides);
-/// The same of both at once.
+/// As above, for text and overrides in one source.
 Scenario ParseScenario(const ScenarioSource& source);
 
-/// Where a setting stands: `file:line:column` or `--set text`; the file if it has a default value.
+/// Place of a setting: `file:line:column` or `--set text`; the file if it has a default value.
 std::string PlaceOfSetting(const ScenarioSource& source, const std::string& key);
 
 /// ParseScenario() of what the file holds. Errors: UserError also for one that cannot be read.

@@ -53,7 +53,7 @@ class TrialPrograms {
 
   const controller::ControllerConfig& config() const { return config_; }
   bool ok() const noexcept { return problem_->text.empty(); }
-  /// Of the first that failed: "python3 my_filter.py: .. at sample 100".
+  /// Problem of the first that failed: "python3 my_filter.py: .. at sample 100".
   const std::string& problem() const { return problem_->text; }
   /// Errors: the SettingError of an object with which no trial of the controller can be run.
   void ThrowMistake(const std::string& controller) const;

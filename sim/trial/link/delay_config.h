@@ -12,7 +12,7 @@ namespace gauntlet::sim {
 /// No frame takes longer: one that would is lost.
 inline constexpr double kLongestDelayMs = 10'000.0;
 
-/// The same time for every frame.
+/// Equal time for every frame.
 struct ConstantDelay {
   static constexpr std::string_view kKind = "constant";
   static constexpr std::string_view kSummary = "every frame takes the same time";

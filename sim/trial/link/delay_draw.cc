@@ -11,7 +11,7 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Of scale 1 and a shape of 1 or more.
+/// Gamma draw of scale 1 and a shape of 1 or more.
 double DrawGamma(double shape, RandomStream& random) noexcept {
   const double d = shape - 1.0 / 3.0;
   const double c = 1.0 / std::sqrt(9.0 * d);

@@ -14,7 +14,7 @@ class DelayDraw {
  public:
   DelayDraw(const DelayConfig& config, RandomStream random);
 
-  /// Of the next frame [ms].
+  /// Delay of the next frame [ms].
   double Next() noexcept;
 
  private:

@@ -7,7 +7,7 @@
 
 namespace gauntlet::sim {
 
-/// What travels on a link. Times are ticks of the loop.
+/// Frame on a link. Times are ticks of the loop.
 struct LinkFrame {
   std::int64_t number = 0;       // counted by the sender
   std::int64_t origin_tick = 0;  // capture of the glove sample behind it; for scores alone

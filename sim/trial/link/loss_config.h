@@ -60,7 +60,7 @@ class LossDraw {
   LossDraw(const LossConfig& config, RandomStream random)
       : settings_(config.settings), random_(random) {}
 
-  /// Whether the next frame is lost.
+  /// True if the next frame is lost.
   bool Next() noexcept;
 
  private:

@@ -23,7 +23,7 @@ namespace gauntlet::sim {
 /// Shapes: `values` per frame. Units: ticks. Neither Take() nor Step() throws or allocates.
 class Receiver {
  public:
-  /// What Step() found.
+  /// Result of Step().
   enum class Found { kNothing, kNew, kHeld, kPredicted };
 
   Receiver(const ReceiverConfig& config, int values, double period_ticks,
@@ -31,12 +31,12 @@ class Receiver {
 
   /// A frame that arrives at this tick; its values are copied.
   void Take(std::int64_t tick, const LinkFrame& frame) noexcept;
-  /// What is used at this tick; kNothing before the first frame. Ticks grow.
+  /// Finds the values used at this tick; kNothing before the first frame. Ticks grow.
   Found Step(std::int64_t tick) noexcept;
 
   /// After Step(). Before the first frame: zeros.
   std::span<const double> values() const noexcept { return shown_; }
-  /// Of the frame that is used, or whose slope is extrapolated.
+  /// Origin tick of the frame that is used, or whose slope is extrapolated.
   std::int64_t origin_tick() const noexcept { return used_.origin_tick; }
   /// Its number; -1 before the first.
   std::int64_t number() const noexcept { return used_.number; }

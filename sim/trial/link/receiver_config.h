@@ -38,7 +38,7 @@ struct BufferReceiver {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// The same with a quantile of the measured delays.
+/// As BufferReceiver, with a quantile of the measured delays.
 struct AdaptiveBufferReceiver {
   static constexpr std::string_view kKind = "adaptive_buffer";
   static constexpr std::string_view kSummary =
@@ -83,7 +83,7 @@ struct GapConfig {
   }
 };
 
-/// What a receiver does with the frames that arrive.
+/// Handling of the frames that arrive at a receiver.
 struct ReceiverConfig {
   ReceiverSettings settings;
   GapConfig gap = {};

@@ -18,7 +18,7 @@ struct TransportConfig {
   double clock_drift_ppm = 0.0;
   double clock_offset_ms = 0.0;
 
-  /// Whether the delays of two frames can differ, apart from the time for which one is occupied.
+  /// True if the delays of two frames can differ, apart from the time for which one is occupied.
   bool has_jitter() const;
   /// Every frame with the mean delay and the time of a true clock, none twice.
   TransportConfig WithoutJitter() const;

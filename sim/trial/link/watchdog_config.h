@@ -34,7 +34,7 @@ struct TieredWatchdog {
 
 using WatchdogSettings = std::variant<NoWatchdog, TieredWatchdog>;
 
-/// What happens when frames stay away.
+/// Reaction to frames that stay away.
 struct WatchdogConfig {
   WatchdogSettings settings;
 

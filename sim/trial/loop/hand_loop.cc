@@ -11,7 +11,7 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Of motor counts that a receiver may have extrapolated.
+/// Whole counts of a motor, from counts that a receiver may have extrapolated.
 std::int32_t WholeCounts(double counts) {
   constexpr double kBeyondAnyMotor = 1e9;
   return static_cast<std::int32_t>(
@@ -155,7 +155,7 @@ void HandLoop::ReadSensors() noexcept {
   controller_.TakeJointAngles(reading_rad);
 }
 
-/// What the computer's watchdog has to send in place of a frame that is due, or nothing.
+/// Frame that the computer's watchdog has to send in place of one that is due, or nothing.
 std::span<const std::int32_t> HandLoop::FrameToSend(const controller::Command& command) noexcept {
   if (!command.event) return {};
   if (!glove_link_ || !glove_link_->watchdog.exists()) return command.motor_counts;

@@ -67,8 +67,8 @@ class HandLoop {
 
   const controller::Controller& controller() const noexcept { return controller_; }
   const Hand& hand() const noexcept { return hand_; }
-  /// What the joint sensors said last, as the controller has it; NaN before their first reading,
-  /// empty without them. Shape: one per joint. Units: rad.
+  /// Last reading of the joint sensors, as the controller has it; NaN before the first one, empty
+  /// without sensors. Shape: one per joint. Units: rad.
   std::span<const double> measured_angle_rad() const noexcept { return measured_angle_rad_; }
 
   /// Time since the capture of the glove sample behind the command that the servos hold, after the
