@@ -22,7 +22,7 @@ struct GlovePlay {
   double seconds = 0.0;                 // 0: the length of the motion; longer: it repeats
 };
 
-/// What was sent.
+/// Frames that were sent.
 struct GlovePlayed {
   std::int64_t samples = 0;
   std::int64_t lost = 0;     // on the simulated link

@@ -186,7 +186,7 @@ std::string SwitchText(const LiveFacts& facts, const LiveContext& context) {
   return fmt::format("Switches of the controller: {} ({}).", facts.switch_count, text);
 }
 
-/// What `gauntlet calibrate` cannot know of a file of counts.
+/// Options that tell `gauntlet calibrate` of the converter, which a file of counts does not.
 std::string ConverterOptions(const std::vector<controller::ConverterRange>& converters) {
   const auto option = [&](std::string_view name, double by_default, const auto& member) {
     std::vector<double> values;

@@ -11,7 +11,7 @@ namespace gauntlet::sim {
 
 class Json;
 
-/// What a report says besides the measurements.
+/// Content of a report besides the measurements.
 struct LiveContext {
   std::string scenario;
   std::string controller;

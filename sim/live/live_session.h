@@ -66,7 +66,7 @@ struct StillTime {
   double end_s = 0.0;
 };
 
-/// What was measured. Times are of CLOCK_MONOTONIC, in the computer.
+/// Measurements of a session. Times are of CLOCK_MONOTONIC, in the computer.
 struct LiveFacts {
   LiveEnd end = LiveEnd::kSeconds;
   double duration_s = 0.0;

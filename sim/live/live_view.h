@@ -45,7 +45,7 @@ class LiveView {
   std::size_t channels() const noexcept { return channels_; }
   std::size_t joints() const noexcept { return joints_; }
 
-  /// Of the control thread. Shapes: glove, a value per channel; the others, one per joint.
+  /// Called by the control thread. Shapes: glove, a value per channel; the others, one per joint.
   /// Units: rad.
   void Show(const LiveMoment& moment, std::span<const double> glove_rad,
             std::span<const double> command_rad, std::span<const double> hand_rad) noexcept {
@@ -56,17 +56,17 @@ class LiveView {
     std::ranges::copy(hand_rad, place);
     moments_.Push(moment, row_);
   }
-  /// Of the thread that sends commands: the stages of one, as in stage_clock.h [us].
+  /// Called by the thread that sends commands: the stages of one, as in stage_clock.h [us].
   void ShowStages(std::span<const double> stages_us) noexcept { stages_.Push(0, stages_us); }
   /// Number of the controller that is asked for since the last call, or -1.
   int TakeAsked() noexcept { return asked_.exchange(-1, std::memory_order_acq_rel); }
   /// 1: the hand is marked still since the last call, 0: it moves again, -1: nothing new.
   int TakeMark() noexcept { return mark_.exchange(-1, std::memory_order_acq_rel); }
 
-  /// Of the watcher: asks for a controller, 0 for the first that drove, then the shadows in order.
-  /// The last wish counts.
+  /// Called by the watcher: asks for a controller, 0 for the first that drove, then the shadows in
+  /// order. The last wish counts.
   void Ask(int controller) noexcept { asked_.store(controller, std::memory_order_release); }
-  /// Of the watcher: the hand is still from now on, or moves. The last mark counts.
+  /// Called by the watcher: the hand is still from now on, or moves. The last mark counts.
   void Mark(bool is_still) noexcept { mark_.store(is_still ? 1 : 0, std::memory_order_release); }
   /// Calls use(moment, values) for the oldest moment, if there is one. The values are those of
   /// Show(), one behind the other.
@@ -74,7 +74,7 @@ class LiveView {
   bool Next(const Use& use) {
     return moments_.Pop(use);
   }
-  /// The same for stages: use(stages_us).
+  /// As the function above, for stages: use(stages_us).
   template <class Use>
   bool NextStages(const Use& use) {
     return stages_.Pop([&](int, std::span<const double> stages_us) { use(stages_us); });

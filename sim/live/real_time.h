@@ -5,7 +5,7 @@
 
 namespace gauntlet::sim {
 
-/// What the system allowed a thread that must be on time.
+/// Rights that the system gave a thread that must be on time.
 struct RealTimeRights {
   bool has_priority = false;       // SCHED_FIFO
   bool has_locked_memory = false;  // mlockall

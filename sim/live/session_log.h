@@ -12,8 +12,8 @@
 
 namespace gauntlet::sim {
 
-/// What is kept of a session: the trace, the samples of a real glove, and the targets of the
-/// shadows. The control thread adds rows; a thread of the log moves them to memory that grows.
+/// Memory of a session: the trace, the samples of a real glove, and the targets of the shadows. The
+/// control thread adds rows; a thread of the log moves them to memory that grows.
 class SessionLog {
  public:
   /// The rows go into `result`, which has its shadows. Errors: RunError if no thread starts.

@@ -10,7 +10,7 @@
 
 namespace gauntlet::sim {
 
-/// Where the time goes between the arrival of a sample and its command.
+/// Stages of the time between the arrival of a sample and its command.
 enum class Stage : std::uint8_t {
   kInput,     // arrival until the input thread has decoded it
   kTick,      // until the control thread takes it, at its next tick

@@ -45,7 +45,7 @@ class Trend {
   double products_ = 0.0;
 };
 
-/// The same through the means of each second.
+/// Trend through the means of each second.
 class TrendOfSeconds {
  public:
   void Add(std::int64_t time_ns, double value) noexcept {

@@ -33,7 +33,7 @@ class ChannelValues {
 
   std::size_t size() const { return channels_.size(); }
   const Parts& parts(std::size_t channel) const { return channels_[channel]; }
-  /// Whether a value depends on the times of the rows.
+  /// True if a value depends on the times of the rows.
   bool needs_time() const;
 
   /// The value of a channel in the next row, which is at `time_s`. NaN if a part of it is missing;

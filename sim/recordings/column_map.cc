@@ -195,7 +195,7 @@ ColumnMapping OnePoint(MapFile& file, std::size_t column, int channel) {
           .in_counts = known == RecordedUnit::kCounts};
 }
 
-/// What of a row is assumed: words of this list.
+/// Assumptions of a row: words of this list.
 std::string AssumedIn(MapFile& file) {
   constexpr std::array<std::string_view, 5> kWords = {"joint", "unit", "sign", "range", "rate"};
   std::string text = file.Text("assumed", "");

@@ -24,8 +24,8 @@ struct RawPoints {
   double high = 0.0;
 };
 
-/// What a column gives to a channel: weight * unit(scale * value + offset). The angle of a channel
-/// is the sum over its mappings.
+/// Contribution of a column to a channel: weight * unit(scale * value + offset). The angle of a
+/// channel is the sum over its mappings.
 struct ColumnMapping {
   std::size_t column = 0;  // from 0
   int channel = 0;
@@ -47,7 +47,7 @@ inline constexpr int kMostMapBits = 24;
 /// The name of a map's row for all columns: `all,confirmed` confirms what the map assumes.
 inline constexpr std::string_view kAllOfMap = "all";
 
-/// What a column gives to the time, which is the sum over its columns.
+/// Contribution of a column to the time, which is the sum over its columns.
 struct TimeMapping {
   std::size_t column = 0;
   double scale_s = 1.0;  // seconds per unit

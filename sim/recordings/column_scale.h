@@ -9,15 +9,15 @@
 
 namespace gauntlet::sim {
 
-/// What a mapping adds to the angle of its channel: factor * value + offset_rad, its weight
+/// Contribution of a mapping to the angle of its channel: factor * value + offset_rad, its weight
 /// included.
 struct ColumnScale {
   double factor = 1.0;  // rad per unit of the column
   double offset_rad = 0.0;
 };
 
-/// What is known of the counts of a channel without a map: the converter's smallest value, and
-/// those at the ends of the joint's range. By default 10 and 90 % of 10 bits.
+/// Facts about the counts of a channel without a map: the converter's smallest value, and those at
+/// the ends of the joint's range. By default 10 and 90 % of 10 bits.
 struct NominalCounts {
   double min_counts = 0.0;
   double low_counts = 102.3;
@@ -48,7 +48,7 @@ struct RecordingColumns {
   std::size_t count = 0;
 };
 
-/// The same as for a CsvReader.
+/// Column map as for a CsvReader, of columns that are given by name.
 ColumnMap ReadColumnMap(const std::filesystem::path& map, const RecordingColumns& recording);
 
 }  // namespace gauntlet::sim

@@ -49,7 +49,7 @@ bool JumpsFrom(const Sample& neighbour, std::span<const Sample> run, const Sampl
          });
 }
 
-/// What the channel usually does from one value to the next, in shares of the joint's range.
+/// Usual steps of the channel from one value to the next, in shares of the joint's range.
 struct OwnMotion {
   double step = 0.0;   // of motion that goes on: the smaller of two steps in one direction
   double noise = 0.0;  // standard deviation
@@ -74,8 +74,8 @@ OwnMotion MotionOf(std::span<const Sample> samples) {
           .noise = Quantile(std::move(bends), 0.5) / (0.6745 * std::sqrt(6.0))};
 }
 
-/// Whether the run between two good values leaves the line between them and comes back, farther
-/// and faster than this hand does.
+/// True if the run between two good values leaves the line between them and comes back, farther and
+/// faster than this hand does.
 bool IsExcursion(const Sample& before, std::span<const Sample> run, const Sample& behind,
                  const OwnMotion& own) {
   const double seconds = behind.time_s - before.time_s;

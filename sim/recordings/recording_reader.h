@@ -18,7 +18,7 @@
 
 namespace gauntlet::sim {
 
-/// What must be known to read a recording besides the file.
+/// Facts that reading a recording needs besides the file.
 struct RecordingFormat {
   std::string map;         // column map; empty: the header's names
   std::string array = {};  // of a file with arrays, see ListArrays(); empty: by their sizes
@@ -57,7 +57,7 @@ class RecordingReader {
   const std::vector<bool>& has_channel() const { return has_channel_; }
   /// The channels that are in counts of a glove.
   const std::vector<OwnCounts>& own_counts() const { return own_counts_; }
-  /// Whether the clock started anew before the last row.
+  /// True if the clock started anew before the last row.
   bool restarted() const { return restarted_; }
   /// Line of the last row, from 1.
   std::size_t row() const { return row_; }

@@ -140,9 +140,9 @@ std::unique_ptr<MessageFile> MessagesOf(const fs::path& file) {
 }
 
 using Write = std::function<void(std::string_view)>;
-/// What a helper does with a file: it writes a text in parts.
+/// Work of a helper on a file: it writes a text in parts.
 using WriteText = std::function<void(const Write& write)>;
-/// The same with the arrays of a file.
+/// Work of a helper on the arrays of a file.
 using WriteArrays = std::function<void(std::vector<NamedArray> arrays, const Write& write)>;
 
 /// Text from a helper, which makes it of a file.

@@ -17,7 +17,7 @@ namespace gauntlet::sim {
 /// no arrays to choose from.
 CsvReader::Source TableSource(const std::filesystem::path& file, const std::string& array = {});
 
-/// The same with keypoints of a hand as they are; TableSource() turns them into angles, see
+/// Table with keypoints of a hand as they are; TableSource() turns them into angles, see
 /// AnglesOfKeypoints().
 CsvReader::Source StoredTable(const std::filesystem::path& file, const std::string& array = {});
 

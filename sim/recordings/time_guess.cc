@@ -253,7 +253,7 @@ struct Candidate {
   Steps steps = {};
 };
 
-/// Of two columns that rise: the one that goes back less often, or else the one that is more even.
+/// Order of two columns that rise: the likelier one goes back less often, or else is more even.
 bool IsMoreLikeTime(const Candidate& one, const Candidate& other) {
   if (one.steps.forward_share != other.steps.forward_share) {
     return one.steps.forward_share > other.steps.forward_share;

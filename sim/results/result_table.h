@@ -46,8 +46,8 @@ struct ResultColumn {
 /// A column that people alone see.
 ResultColumn ForPeople(const std::string& heading, const std::string& unit = {});
 
-/// Where a text for people may be broken: at kBreak it always is, at kSoftBreak in a table that
-/// would be too wide else.
+/// Places at which a text for people may be broken: at kBreak it always is, at kSoftBreak in a
+/// table that would be too wide else.
 inline constexpr char kBreak = '\n';
 inline constexpr char kSoftBreak = '\v';
 
@@ -63,7 +63,7 @@ struct ResultCell {
       : values(std::move(parts)), text(std::move(shown)), mark(its_mark) {}
   /// One value, which is its own text; a number has three significant digits for people.
   explicit ResultCell(ResultValue value);
-  /// What people alone see.
+  /// Cell that people alone see.
   static ResultCell Text(std::string_view shown) { return {{}, std::string(shown)}; }
   /// Left out where it is empty.
   static ResultCell IfAny(const std::string& text);

@@ -25,7 +25,7 @@ std::string Warning(const std::string& text);
 /// "a", "a and b", "a, b and c"; empty ones are left out.
 std::string Listed(std::vector<std::string> items);
 
-/// What a terminal can show.
+/// Abilities of a terminal.
 struct TerminalStyle {
   static constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
 
@@ -33,7 +33,7 @@ struct TerminalStyle {
   std::size_t table_width = 80;  // of tables; kNoLimit: in one piece
   bool colour = false;           // marks have terminal colours, too
 
-  /// Of a file, where lines may be as long as they are.
+  /// Style of a file, whose lines may be as long as they are.
   static constexpr TerminalStyle Unlimited() { return {.table_width = kNoLimit}; }
 };
 
@@ -51,7 +51,7 @@ struct CommandLines {
   std::string text;
 };
 
-/// What a person reads of a result, from the top. Text: a line of it is a paragraph.
+/// Result as a person reads it, from the top. Text: a line of it is a paragraph.
 using ResultText = std::vector<std::variant<std::string, ResultTable, CommandLines>>;
 
 /// The parts with an empty line between them; empty ones are left out.

@@ -13,7 +13,8 @@ struct VerdictRemark {
   std::string text;
 };
 
-/// What to use, and why. It is made once, from the judgements: terminal, page and JSON show it.
+/// Recommendation and its reasons. It is made once, from the judgements: terminal, page and JSON
+/// show it.
 struct Verdict {
   std::string recommended = {};  // a controller, cell, setting or filter; may be empty
   std::vector<std::string> alternatives = {};  // equivalent, or better in another score
@@ -27,7 +28,7 @@ struct Verdict {
   void AddUndecided(const std::vector<std::string>& undecided);
   void AddWithoutHand();
 
-  /// What is assumed, then the reasons, a sentence or two each.
+  /// Assumptions, then the reasons, a sentence or two each.
   std::vector<std::string> Answer() const;
   /// The other warnings.
   std::vector<std::string> Doubts() const;

@@ -18,7 +18,7 @@ struct TickRange {
 /// touch. What the wearer did in all others is not known.
 using CountedTicks = std::vector<TickRange>;
 
-/// Of all parts of a trial, in the order of the signals' columns.
+/// Counted ticks of all parts of a trial, in the order of the signals' columns.
 struct CountedParts {
   std::vector<CountedTicks> joints;
   std::vector<CountedTicks> motors;
@@ -26,7 +26,7 @@ struct CountedParts {
   CountedTicks hand;  // for what belongs to the hand as a whole
 };
 
-/// What counts of the ticks 0 .. `ticks` of a part that follows these channels:
+/// Counted ticks among 0 .. `ticks` of a part that follows these channels:
 ///
 ///     gap      not from its begin until `recovery_ticks` after its end, for filters and hand
 ///              have held on to what was before and need time to come back
@@ -38,10 +38,10 @@ CountedTicks CountTicks(std::span<const MaskedStretch> masked, const std::vector
 /// True for rising ranges of the ticks 0 .. `ticks`.
 bool AreWithin(const CountedTicks& counted, std::ptrdiff_t ticks);
 
-/// What lies in both.
+/// Ticks in both.
 CountedTicks Overlap(const std::vector<TickRange>& ranges, const CountedTicks& counted);
 
-/// The same without a range.
+/// Ticks outside a range.
 CountedTicks Without(const CountedTicks& counted, const TickRange& left_out);
 
 /// How many ticks these are.

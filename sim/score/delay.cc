@@ -14,7 +14,8 @@ namespace {
 
 using Values = Fourier::Values;
 
-/// Of a motion that does not repeat, lags from so long before the earliest to so long after it.
+/// Search range for a motion that does not repeat: lags from so long before the earliest to so long
+/// after it.
 constexpr double kBefore_s = 0.1;
 constexpr double kAfter_s = 1.0;
 constexpr double kSideRate_hz = 100.0;  // of the autocorrelation; hands move below 10 Hz
@@ -120,7 +121,7 @@ std::vector<double> CrossProducts(Pair& pair, Fourier& fourier) {
   return products;
 }
 
-/// What overlaps at one lag, of all counted ranges together.
+/// Overlap at one lag, of all counted ranges together.
 struct AtLag {
   int count = 0;
   Moments leader;

@@ -49,7 +49,7 @@ inline constexpr double kLeastDelayCorrelation = 0.5;
 /// Below this RMS a signal counts as still. Assumption: a tenth of what a servo resolves.
 inline constexpr double kStillRms_rad = 0.1 * kRadPerDeg;
 
-/// Where the parabola through three equidistant values has its peak, relative to the middle one.
+/// Peak of the parabola through three equidistant values, relative to the middle one.
 double ParabolaPeak(double left, double middle, double right);
 
 /// RMS of follower[n + delay] - leader[n] where both lie in the same counted range, linear between

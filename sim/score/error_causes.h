@@ -9,7 +9,7 @@
 
 namespace gauntlet::sim {
 
-/// What makes the hand stand beside the wearer, in the order in which trials take one after the
+/// Causes that put the hand beside the wearer, in the order in which trials take one after the
 /// other away: each of these trials is without all causes before, and without this.
 enum class ErrorCause {
   kNoise,       // noise and faults of the glove

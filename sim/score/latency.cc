@@ -77,7 +77,7 @@ void CheckShapes(const LatencyInput& input) {
   }
 }
 
-/// Where a signal is on the way from the wearer to the hand, and the clock that holds it there.
+/// Place of a signal on the way from the wearer to the hand, and the clock that holds it there.
 struct Station {
   const Signal* signal;
   double held_for_ticks = 1.0;

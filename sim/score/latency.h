@@ -35,7 +35,7 @@ struct LatencyStage {
   std::vector<double> channel_ms;  // NaN for a channel that does not move
 };
 
-/// Where the delay comes from.
+/// Parts of the delay.
 struct LatencyBudget {
   std::vector<LatencyStage> stages;
   double sum_ms = 0.0;    // of the stages

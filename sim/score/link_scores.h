@@ -7,7 +7,7 @@
 
 namespace gauntlet::sim {
 
-/// What the links do to the commands of one trial; empty without links.
+/// Effect of the links on the commands of one trial; empty without links.
 struct LinkSignals {
   std::span<const double> sample_age_s;  // of the glove sample behind the command that is held
   std::span<const std::uint8_t> watchdog_tier;  // 0 follow, 1 hold, 2 relax, 3 off

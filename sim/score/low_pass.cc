@@ -10,8 +10,8 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr double kAttenuation_db = 80.0;
-/// Of a block in lengths of the filter: a seventh of it is then computed twice. Longer ones leave
-/// the cache.
+/// Length of a block in lengths of the filter: a seventh of it is then computed twice. Longer ones
+/// leave the cache.
 constexpr int kBlockLengths = 8;
 
 /// The transform of the filter of this band, which is real because the weights are symmetric.

@@ -32,7 +32,7 @@ struct FilteredSignal {
   Signal values;         // samples x channels; no rows if the signal is too short
 };
 
-/// What passes the low pass, or what it takes away.
+/// Part of a signal that passes the low pass, or that it takes away.
 enum class Band { kBelow, kAbove };
 /// By transforms of blocks that overlap by the filter's length (overlap-save: Oppenheim and
 /// Schafer, section 8.7.3), so that a block stays in the processor's cache however long the signal

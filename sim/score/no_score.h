@@ -4,7 +4,7 @@
 
 namespace gauntlet::sim {
 
-/// What stands where a score does not exist.
+/// Placeholder of a score that does not exist.
 inline constexpr double kNoScore = controller::kNaN;
 
 }  // namespace gauntlet::sim

@@ -30,13 +30,13 @@ struct PrimaryScore {
 /// Tracking error, delay, jitter.
 const std::vector<PrimaryScore>& PrimaryScores();
 
-/// What a user needs most from a controller.
+/// Need of a user: the score that matters most, and bounds.
 struct Priority {
   std::size_t metric = 0;          // of a primary score
   std::vector<Constraint> bounds;  // all are kept
 };
 
-/// Of "tracking", "delay" or "jitter", and of bounds, separated by commas: "delay,
+/// Priority from "tracking", "delay" or "jitter", and bounds, separated by commas: "delay,
 /// jitter_rms_deg<=0.1". Without a word: tracking. Errors: SettingError of the key `priority`.
 Priority ParsePriority(const std::string& text);
 

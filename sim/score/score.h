@@ -17,7 +17,7 @@
 
 namespace gauntlet::sim {
 
-/// What a score is measured on.
+/// Part that a score is measured on.
 enum class ScoredPart { kJoint, kMotor, kCable, kHand };
 
 /// The rows of a table of scores: every scored joint, motor and cable, once by name. A motor that
@@ -127,12 +127,12 @@ struct Scores {
   std::vector<std::vector<double>> channels;  // rows of ScoreRows x metrics
 };
 
-/// Of a trial that says nothing: every score is NaN.
+/// Scores of a trial that says nothing: all are NaN.
 Scores NoScores(const ScoreRows& rows);
 
-/// Whether a metric has no value without the noise-free signals.
+/// True if a metric has no value without the noise-free signals.
 bool NeedsNoiseFreeTwin(std::size_t metric);
-/// Whether it has none without the trials in which causes are taken away.
+/// True if it has none without the trials in which causes are taken away.
 bool NeedsCauseTrials(std::size_t metric);
 
 /// Pure: the same signals give the same scores, on any number of threads. A hand that was stopped

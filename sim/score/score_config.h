@@ -6,7 +6,7 @@
 
 namespace gauntlet::sim {
 
-/// What a scenario chooses of its scores.
+/// Choices of a scenario about its scores.
 struct ScoreConfig {
   /// Lower edge of jitter: that of the high pass of jitter.h, which passes nothing
   /// below 0.8 and everything above 1.2 times this. Below 2 Hz all is human motion; above 100 Hz

@@ -36,13 +36,13 @@ class Lazy {
   mutable std::optional<Value> value_;
 };
 
-/// What is found for all joints together.
+/// Findings on all joints together.
 struct AllJoints {
   AllJoints(const ScoreInput& input, Fourier& fourier);
   AllJoints(const AllJoints&) = delete;  // its parts refer to it
   AllJoints& operator=(const AllJoints&) = delete;
 
-  /// What counts of a part: its own, or all where nothing is left out.
+  /// Counted ticks of a part: its own, or all where nothing is left out.
   CountedTicks CountedOf(const std::vector<CountedTicks> CountedParts::*parts, int part) const;
   CountedTicks CountedOfHand() const;
 
@@ -78,7 +78,7 @@ struct ScoredJoint {
   double PartOfError(ErrorCause cause) const;
 
  private:
-  /// Of the hand above jitter_above_hz; the first belongs to a tick of `all_`.
+  /// Motion of the hand above jitter_above_hz; the first belongs to a tick of `all_`.
   std::span<const double> trembling_rad() const;
 
   int column_;
@@ -105,7 +105,7 @@ struct ScoredCable {
   CountedTicks counted;
 };
 
-/// What belongs to the hand as a whole; empty where it holds nothing, or has no digits.
+/// Signals of the hand as a whole; empty where it holds nothing, or has no digits.
 struct ScoredHand {
   double rate_hz;
   double jitter_above_hz;

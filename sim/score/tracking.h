@@ -10,7 +10,7 @@ namespace gauntlet::sim {
 /// sqrt(mean(values^2)); NaN of nothing. Units: those of the input.
 double Rms(std::span<const double> values);
 
-/// The same of what lies within ranges; value 0 belongs to tick `first_tick`.
+/// RMS of the values within ranges; value 0 belongs to tick `first_tick`.
 double RmsWithin(std::span<const double> values, int first_tick,
                  const std::vector<TickRange>& ranges);
 

@@ -59,7 +59,8 @@ std::vector<TickRange> Stretches(const std::vector<Class>& classes, Class wanted
   return ranges;
 }
 
-/// Where the direction changes for good: by more than the smallest movement. With both ends.
+/// Ticks at which the direction changes for good: by more than the smallest movement. With both
+/// ends.
 std::vector<int> TurningPoints(std::span<const double> angle, TickRange range) {
   std::vector<int> points{range.begin};
   int lowest = range.begin;

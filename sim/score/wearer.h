@@ -27,7 +27,7 @@ struct Movement {
 enum class Regime { kRest, kSlow, kFast, kOnset, kReversal };
 inline constexpr int kRegimeCount = 5;
 
-/// What the wearer does with one joint.
+/// Motion of the wearer in one joint.
 struct WearerMotion {
   std::vector<Movement> movements;
   std::array<std::vector<TickRange>, kRegimeCount> regimes;

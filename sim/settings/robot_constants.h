@@ -11,8 +11,8 @@ namespace gauntlet::sim {
 /// gauntlet_controller_create() read.
 std::string RobotToText(const controller::RobotConfig& robot, const RobotOrigin& origin);
 
-/// What embedded::Controller runs, as a C++ header of constants in `float`: `robot::Controller` is
-/// made of `robot::kSettings`. Errors: SettingError for what the embedded form does not hold.
+/// Settings of embedded::Controller, as a C++ header of constants in `float`: `robot::Controller`
+/// is made of `robot::kSettings`. Errors: SettingError for what the embedded form does not hold.
 std::string RobotToEmbeddedHeader(const controller::RobotConfig& robot, const RobotOrigin& origin);
 
 }  // namespace gauntlet::sim

@@ -8,7 +8,7 @@
 
 namespace gauntlet::sim {
 
-/// Where a robot file comes from, for the people who read it.
+/// Origin of a robot file, for the people who read it.
 struct RobotOrigin {
   std::string gauntlet_version;
   std::string scenario;
@@ -28,7 +28,7 @@ std::string RobotToYaml(const controller::RobotConfig& robot, const RobotOrigin&
 /// Errors: UserError with file:line:column and key for what is unknown, given twice, missing, of a
 /// wrong type, out of range, or does not fit to the rest.
 controller::RobotConfig LoadRobot(const std::filesystem::path& file);
-/// The same of the text of a file.
+/// Robot from the text of a file.
 controller::RobotConfig ParseRobot(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace gauntlet::sim

@@ -8,7 +8,7 @@
 
 namespace gauntlet::sim {
 
-/// Where something begins in a text, counted from 0.
+/// Place in a text, counted from 0.
 struct TextPlace {
   int line = -1;  // below 0: it stands in no text
   int column = -1;
@@ -47,7 +47,7 @@ class YamlNode {
   /// Those of a map; none for all others.
   const std::vector<Entry>& entries() const;
 
-  /// The same part of the same tree, or of two that share it.
+  /// True for the same part of the same tree, or of two that share it.
   bool Is(const YamlNode& other) const { return data_ == other.data_; }
 
  private:

@@ -75,7 +75,7 @@ void ReadAll(const YamlNode& root, const YamlSource& source, Settings& settings)
   settings.Visit(reader);
   reader.RejectUnknownKeys();
 }
-/// The same of a file.
+/// Settings from a file.
 template <class Settings>
 Settings ReadAll(const std::filesystem::path& file) {
   Settings settings;

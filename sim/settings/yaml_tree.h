@@ -11,13 +11,13 @@
 
 namespace gauntlet::sim {
 
-/// What a setting may not be, as the user's mistake at a place.
+/// Refused setting as the user's mistake at a place.
 UserError AtPlace(std::string place, const controller::SettingError& error);
 
 /// `--set key=value` as the place of a mistake.
 std::string OverridePlace(std::string_view text);
 
-/// Where values come from, for error messages: the file, and what --set put over it.
+/// Origin of values, for error messages: the file, and what --set put over it.
 ///
 /// A path of keys has dots between keys and `[i]` for the items of a list: `filter[0].kind`.
 struct YamlSource {
@@ -47,7 +47,7 @@ inline constexpr std::string_view kMisplacedInclude =
     "!include stands for all settings of a controller in a scenario, "
     "controllers: {tuned: !include FILE}, and nowhere else";
 
-/// Whether a text may have scalars with kIncludeTag.
+/// Treatment of scalars with kIncludeTag in a text.
 enum class YamlIncludes { kRefused, kAllowed };
 
 /// The tree of a text. It is bounded: 64 levels, 200,000 values with those of aliases counted where
@@ -69,7 +69,7 @@ YamlNode ParseYamlFile(const std::filesystem::path& file);
 std::string PutOver(YamlNode& root, const std::string& path, const YamlNode& value,
                     const std::string& place, YamlSource& source);
 
-/// Whether a path of keys is `group` or leads into it.
+/// True if a path of keys is `group` or leads into it.
 bool IsAtOrBelow(const std::string& path, const std::string& group);
 
 /// Puts `key.path=value` over the tree. Groups on the way are copied, so that what an alias shares

@@ -15,8 +15,8 @@ namespace gauntlet::sim {
 std::string SettingsToYaml(const std::function<void(controller::SettingsVisitor&)>& visit,
                            const std::filesystem::path& folder = {});
 
-/// The same for people: with the help of each section and group as a comment, and a line for each
-/// row of a table.
+/// YAML for people: with the help of each section and group as a comment, and a line for each row
+/// of a table.
 std::string SettingsToYamlForPeople(const std::function<void(controller::SettingsVisitor&)>& visit);
 
 }  // namespace gauntlet::sim

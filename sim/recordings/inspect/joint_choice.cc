@@ -321,7 +321,7 @@ void TakeMuscles(const std::vector<ColumnFamily>& families, JointChoice& choice)
                                 muscles->columns.size() == 1 ? "activity" : "activities");
 }
 
-/// What a table without sensors of a hand has instead.
+/// Content of a table that has no sensors of a hand.
 std::string WithoutSensors(const std::vector<ColumnFamily>& families) {
   std::size_t positions = 0;
   for (const ColumnFamily& family : families) {

@@ -61,7 +61,7 @@ std::string AngleCells(const Inspection& inspection, const InspectedColumn& colu
       ends_deg);
 }
 
-/// What of a column's angle is a guess, as words of the map.
+/// Guesses in a column's angle, as words of the map.
 std::string AssumedOf(const Inspection& inspection, const InspectedColumn& column) {
   std::string words;
   const auto add = [&words](bool is_assumed, const char* word) {

@@ -46,7 +46,7 @@ void MarkRepeats(const std::function<bool(std::size_t)>& has_same, std::vector<b
 /// - the fingers never bend, so the palm is unknown.
 PlacedHand PlaceHand(std::vector<HandPoints> points, double unit_m);
 
-/// Whether the numbers are those of a hand, where no names tell it: its bones keep their lengths
+/// True if the numbers are those of a hand, where no names tell it: its bones keep their lengths
 /// within 10 %, their shares of a finger are those of a hand, and it has the size of a hand in m,
 /// cm or mm.
 bool LooksLikeHand(const std::vector<HandPoints>& points);

@@ -26,7 +26,7 @@ constexpr std::array<std::string_view, kDigitsOfHand> kDigitNames = {"thumb", "i
 /// A joint as a name calls it; what it is depends on the others of its digit.
 enum class CalledJoint { kNone, kWrist, kHand, kOther, kBase, kMcp, kPip, kIp, kDip, kTip };
 
-/// What a column holds of a joint.
+/// Quantity of a joint in a column.
 enum class Part { kPosition, kRadius, kConfidence, kRotation, kOther };
 
 using Space = RotationColumns::Space;
@@ -73,7 +73,7 @@ int AxisOf(std::string_view word) {
   return word.size() == 1 && word[0] >= 'x' && word[0] <= 'z' ? word[0] - 'x' : -1;
 }
 
-/// What names a component of a quaternion: `qw`, `w`, `rot_w`, `qw5`.
+/// Name of a component of a quaternion: `qw`, `w`, `rot_w`, `qw5`.
 struct QuaternionComponent {
   int component = -1;  // 0 to 3 for w, x, y, z; -1: none
   std::string prefix;
@@ -318,7 +318,7 @@ struct FoundHand {
   std::vector<std::string> missing = {};
 };
 
-/// What the joints of a group are called.
+/// Names of the joints of a group.
 struct CalledJoints {
   std::array<std::set<CalledJoint>, kDigitsOfHand> of_digit = {};
   bool has_wrist = false;
@@ -544,7 +544,7 @@ std::optional<FoundHand> NamedTurnedHand(const GroupKey& key,
   return hand;
 }
 
-/// Of 25 to 27 joints with metacarpals, which are numbered from 0 or 1.
+/// Hand of 25 to 27 joints with metacarpals, which are numbered from 0 or 1.
 std::optional<FoundHand> NumberedTurnedHand(const GroupKey& key,
                                             const std::vector<NamedColumn>& group) {
   std::map<int, std::vector<NamedColumn>> columns_at;

@@ -54,7 +54,7 @@ struct KeypointLayout {
   std::string problem;                 // why a table that has keypoints is not read
 };
 
-/// Whether columns that differ in w, x, y and z only are those of a quaternion, or of a point.
+/// Treatment of columns that differ in w, x, y and z only: those of a quaternion, or of a point.
 enum class Quaternions { kTaken, kLeft };
 
 /// Finds the keypoints of hands by the names of columns: a joint and an axis, a number and an axis,

@@ -117,7 +117,7 @@ bool AreHands(const KeypointText& text, const std::vector<KeypointColumns>& hand
   return true;
 }
 
-/// What is known of a hand: its angles, lost frames, and remarks.
+/// Facts about a hand: its angles, lost frames, and remarks.
 AnglesOfBones AnglesOfHand(const KeypointText& text, std::size_t h, const KeypointColumns& columns,
                            std::string& remarks) {
   if (columns.rotations) {

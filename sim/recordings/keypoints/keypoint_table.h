@@ -17,7 +17,7 @@ namespace gauntlet::sim {
 /// Errors: UserError with `name` as of PlaceHand(), or of AnglesOf() for rotations.
 CsvReader::Source AnglesOfKeypoints(const std::string& name, CsvReader::Source source);
 
-/// What was found out about a hand, for a person.
+/// Findings about a hand, for a person.
 std::string RemarkOf(const PlacedHand& hand, const KeypointColumns& columns);
 
 }  // namespace gauntlet::sim

@@ -10,9 +10,9 @@
 
 namespace gauntlet::sim {
 
-/// What sentences call a score: "tracking error"; the key of one without such a name.
+/// Name of a score in sentences: "tracking error"; the key of one without such a name.
 std::string ScoreName(std::size_t metric);
-/// The same as the head of a column, a word below the other.
+/// Name of a score as the head of a column, a word below the other.
 std::string ScoreHeading(std::size_t metric);
 /// "4.45 deg RMS"
 std::string ScoreValue(std::size_t metric, double value);

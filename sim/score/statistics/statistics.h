@@ -57,13 +57,13 @@ struct MeanEstimate {
 /// Source: Searle, Casella, McCulloch 1992, Variance Components, section 3.6.
 MeanEstimate EstimateMean(std::span<const double> values, std::span<const int> motions = {});
 
-/// The same of first - second, value by value: pairs share their seed, and with it the glove signal
-/// and the hand, so what a seed makes hard for both cancels.
+/// Mean of first - second, value by value: pairs share their seed, and with it the glove signal and
+/// the hand, so what a seed makes hard for both cancels.
 /// Shapes: the same length.
 MeanEstimate EstimateDifference(std::span<const double> first, std::span<const double> second,
                                 std::span<const int> motions = {});
 
-/// The same of the means of two groups that share no seeds, first - second, by Welch's t:
+/// Difference of the means of two groups that share no seeds, first - second, by Welch's t:
 ///
 ///     error^2 = s1^2 / n1 + s2^2 / n2
 ///

@@ -58,8 +58,9 @@ inline constexpr std::array<Shade, 9> kSeries = {{{"c0", 0x172333, 0x90a6b4},
                                                   {"c6", 0x316a76, 0xaae7ef},
                                                   {"c7", 0x6b4f3a, 0xd5a389},
                                                   {"c8", 0x42296c, 0x9a78e0}}};
-/// The same in a terminal, as numbers of its 256 colours (xterm): near the hues above, and with a
-/// contrast of at least 3 to a white and to a black ground, since a program does not see which.
+/// Colours of series in a terminal, as numbers of its 256 colours (xterm): near the hues above, and
+/// with a contrast of at least 3 to a white and to a black ground, since a program does not see
+/// which.
 inline constexpr std::array<std::uint8_t, 9> kTerminalSeries = {241, 25, 29,  130, 96,
                                                                 136, 67, 138, 104};
 /// One hand alone: as the controller that is recommended.
@@ -75,9 +76,9 @@ std::vector<std::size_t> SeriesOf(const std::vector<std::size_t>& order,
 /// The colour of a series as CSS: its variable, or beyond the palette a hue far from those of its
 /// neighbours.
 std::string CssOfSeries(std::size_t series);
-/// The same on light ground.
+/// Colour of a series on light ground.
 Color ColourOfSeries(std::size_t series);
-/// The same in a terminal; none beyond the palette.
+/// Colour of a series in a terminal; none beyond the palette.
 std::optional<std::uint8_t> TerminalColourOfSeries(std::size_t series);
 
 /// CSS that defines a variable for each colour, in the light and in the dark scheme. Paper is light

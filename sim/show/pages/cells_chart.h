@@ -17,7 +17,7 @@ struct ChartAxis {
   double high = 1.0;
   bool log = false;
 
-  /// Where a value stands from 0 to 1; NaN for one that is not there.
+  /// Place of a value from 0 to 1; NaN for one that is not there.
   double PlaceOf(double value) const;
   double PlaceOf(const std::string& value) const;
 };

@@ -14,7 +14,7 @@ namespace gauntlet::sim {
 // coordinates, jitter against delay. With scripts ranges can be brushed, and a click gives a
 // point's settings as YAML and the command that repeats it. See docs/reference/report-page.md.
 
-/// What a page says besides its points.
+/// Texts of a page besides its points.
 struct CellsPageTexts {
   std::string kind;  // "sweep"
   std::string title;

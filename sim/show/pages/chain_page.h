@@ -7,7 +7,7 @@
 
 namespace gauntlet::sim {
 
-/// What gauntlet identify found, as a page without scripts: the table of the terminal, and for each
+/// Findings of gauntlet identify as a page without scripts: the table of the terminal, and for each
 /// part of the log, over the command, what was measured beside what the model makes of the same
 /// command; in the stretch of a few seconds in which it moves most, and the difference over the
 /// whole log but its first second. Of several episodes, these are of the held-out one with the most

@@ -11,7 +11,7 @@ namespace gauntlet::sim {
 /// Jitter against delay; the line joins what nothing is better than in both.
 std::string FrontSvg(const std::vector<ChartPoint>& points);
 
-/// What one kind of filter can do: its settings with nothing of the same kind better in both.
+/// Front of one kind of filter: its settings with nothing of the same kind better in both.
 struct FrontSeries {
   struct Place {
     double delay_ms = 0.0;

@@ -12,8 +12,8 @@ namespace gauntlet::sim {
 /// its intervals for each controller.
 std::string ResponseSvg(const Response& response, std::size_t metric, const std::string& setting);
 
-/// What each parameter of the hand changes of the difference between the two best controllers; the
-/// band is the smallest difference that matters around `nominal`, that of the nominal hand.
+/// Change by each parameter of the hand of the difference between the two best controllers; the
+/// band is the smallest relevant difference around `nominal`, that of the nominal hand.
 std::string TornadoSvg(const RobustPlan& plan, const RobustScore& score, double nominal);
 
 }  // namespace gauntlet::sim

@@ -13,7 +13,7 @@ namespace gauntlet::sim {
 
 class Json;
 
-/// What the page shows of the traces of the first seed; empty if none were kept, and then it has
+/// Content of the page from the traces of the first seed; empty if none were kept, and then it has
 /// neither curves nor latencies. Of a signal only its curves are kept, which are short however long
 /// the trial is.
 struct FirstSeed {

@@ -21,7 +21,7 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Of the rows that are played.
+/// Rows that are played.
 struct Rows {
   std::size_t begin = 0;
   std::size_t end = 0;
@@ -64,7 +64,7 @@ std::string RateText(const std::vector<double>& time_s, const Rows& rows) {
                      shortest == longest ? "" : " to " + longest);
 }
 
-/// Of every channel, for which share of the time it is masked, by the reason: one line for each.
+/// Share of the time for which each channel is masked, by the reason: one line for each.
 std::string MaskedFacts(const GloveSignal& glove) {
   std::string facts;
   const auto ticks = static_cast<double>(glove.true_angle_rad.rows());

@@ -96,7 +96,7 @@ Json HandJson(const HandShapes& shapes, const HandModel& hand) {
   return json;
 }
 
-/// Of each joint the mean [deg].
+/// Mean of each joint [deg].
 std::vector<double> MeansOf(const Signal& angle_rad) {
   std::vector<double> means;
   for (Eigen::Index joint = 0; joint < angle_rad.cols(); ++joint) {

@@ -13,7 +13,7 @@ class Json;
 /// Lengths in m, angles in deg.
 Json HandData(const HandModel& hand, const std::string& camera);
 
-/// What the page needs, besides its curves, to move the hand: the hand's shapes, hinges and cables,
+/// Data for moving the hand of a page, besides its curves: the hand's shapes, hinges and cables,
 /// where joints stand that are not measured (their mean, as they only hold a posture), and the way
 /// of an object. Lengths in m, angles in deg. Null where there is no hand or no trace was kept.
 Json ReplayData(const FinishedStudy& finished);

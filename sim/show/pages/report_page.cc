@@ -34,7 +34,7 @@ std::string Facts(const FinishedStudy& finished) {
                      result.controller_names.size(), seeds, result.reference_name);
 }
 
-/// Where a trial's samples have been, of the measured joints.
+/// Ways of a trial's samples, of the measured joints.
 WayOfAngles MeasuredWay(const Study& study, const Trace& trace) {
   WayOfAngles way = WayOf(trace, study.joint_map(), study.hand->transmission());
   if (std::ssize(study.measured_joints) == way.raw.cols()) return way;

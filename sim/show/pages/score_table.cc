@@ -40,7 +40,7 @@ std::string DifferenceText(const MeanInterval& difference) {
                      decimals);
 }
 
-/// What the table says of a controller's metric: its value, below it the difference to the best.
+/// Cell of a controller's metric: its value, below it the difference to the best.
 ResultCell CellOf(const Summary& summary, const ControllerSummary& controller, std::size_t metric) {
   const MeanInterval& own = controller.summary[metric];
   ResultCell cell(own.mean);
@@ -159,7 +159,7 @@ std::string CauseLine(const Summary& summary) {
   return fmt::format("Causes of the squared error of {}: {}.", controller.name, text);
 }
 
-/// Where a score of the table is a mean over some of the seeds, as the others have none.
+/// Scores of the table that are a mean over some of the seeds, as the others have none.
 std::vector<std::string> MissingSeeds(const StudyResult& result, const Summary& summary) {
   std::vector<std::string> missing;
   const int seeds = result.seeds.size();
@@ -217,7 +217,7 @@ std::string SharesText(const Summary& summary, const auto& interval_of) {
                      100.0 - percent);
 }
 
-/// Whose the scatter of tracking is, and that of its differences; empty where it is not known.
+/// Origin of the scatter of tracking, and of that of its differences; empty where it is not known.
 std::string WhoseScatter(const Summary& summary) {
   const std::size_t tracking = MetricIndex("tracking_rmse_deg");
   const std::string of_values =
@@ -268,7 +268,7 @@ std::string JointsWithDelay(const FinishedStudy& finished) {
       fewest, most == fewest ? "" : fmt::format(" to {}", most), joints.size());
 }
 
-/// What a table of several seeds says of chance.
+/// Sentences of a table of several seeds about chance.
 std::vector<std::string> NotesOnChance(const Summary& summary) {
   std::vector<std::string> notes;
   if (summary.controllers.size() == 1) {
