@@ -40,7 +40,7 @@ bool IsFarBeyondRange(const Channel& joint, double angle_rad);
 /// Reads a recording row by row, in one pass and with flat memory: angles [rad] at times [s] that
 /// rise strictly. A missing value is NaN.
 ///
-/// What is found: everything that CsvReader finds; time that stands still (the row is left out),
+/// Faults found: everything that CsvReader finds; time that stands still (the row is left out),
 /// that goes back by up to a second (left out) or by more (a new start of the clock: time goes on),
 /// gaps, a wild time (left out: one row far ahead or far back, while the next row goes on from the
 /// row before it; or the last row of the file, if it is more than a second away), and angles

@@ -17,8 +17,8 @@ namespace gauntlet::sim {
 /// no arrays to choose from.
 CsvReader::Source TableSource(const std::filesystem::path& file, const std::string& array = {});
 
-/// Table with keypoints of a hand as they are; TableSource() turns them into angles, see
-/// AnglesOfKeypoints().
+/// Table as of TableSource(), but with keypoints of a hand as they are; TableSource() turns them
+/// into angles, see AnglesOfKeypoints().
 CsvReader::Source StoredTable(const std::filesystem::path& file, const std::string& array = {});
 
 /// All topics of a file of messages, and which is its table; none of another file.

@@ -41,7 +41,7 @@ bool AreWithin(const CountedTicks& counted, std::ptrdiff_t ticks);
 /// Ticks in both.
 CountedTicks Overlap(const std::vector<TickRange>& ranges, const CountedTicks& counted);
 
-/// Ticks outside a range.
+/// Counted ticks outside a range.
 CountedTicks Without(const CountedTicks& counted, const TickRange& left_out);
 
 /// How many ticks these are.

@@ -133,7 +133,7 @@ void RunPass(const Value* from, Value* to, std::size_t groups, std::size_t strid
   }
 }
 
-/// Transform of any radix, by the definition.
+/// Pass of any radix, by the definition.
 template <bool kInverse>
 void RunPassOfAnyRadix(const Value* from, Value* to, std::size_t groups, std::size_t stride,
                        const Value* turns, const Fourier::Values& roots) {

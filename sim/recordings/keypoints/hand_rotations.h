@@ -33,7 +33,7 @@ struct AnglesOfBones {
 /// The fingers bend more than they extend, so h points to flexion: its sign needs no handedness of
 /// axes. The parent of a proximal bone is the metacarpal, or the hand where a file has none.
 ///
-/// What is not named is found: the order of the components (w first or last), and whether the
+/// Found where not named: the order of the components (w first or last), and whether the
 /// rotations are relative to the parent or to the world. Right is the only reading in which
 /// all fingers bend about one axis each, in the ranges of a finger. Rotations of joints that are
 /// straight are assumed to be equal.

@@ -67,7 +67,7 @@ struct KeypointAngles {
 ///     PIP, DIP            atan2((d1 x d2) . h, d1 . d2), the same with d2, d3
 ///     finger_spread       (a of the index finger - a of the little finger) / 2
 ///
-/// Of the thumb, as the joints of models/hand_arm.xml turn, with t along the metacarpal:
+/// Thumb, as the joints of models/hand_arm.xml turn, with t along the metacarpal:
 ///
 ///     thumb_abduction     acos(t.x)
 ///     thumb_rotation      atan2(-t.z, t.y); held where the thumb lies along x within 10 deg

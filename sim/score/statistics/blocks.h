@@ -36,7 +36,7 @@ struct BlockPlan {
 };
 
 /// The plan for a recording: at most 16 blocks, each at least 5 s and 4 correlation times long.
-/// Where that leaves fewer than 8, there are 8 if each has 2 correlation times; else none.
+/// If that leaves fewer than 8, there are 8 if each has 2 correlation times; else none.
 /// Coverage: docs/evidence/measurements.md, blocks of a recording. Units: s.
 BlockPlan PlanBlocks(double duration_s, double correlation_s);
 
