@@ -141,6 +141,9 @@ class FilterStream {
                                   "--set rate_hz=HZ"});
     }
     StartIfRateIsKnown();
+    for (const std::string& remark : table_.remarks()) {
+      Say("gauntlet: standard input: {}\n", remark);
+    }
     PrintText(table_.header());
     CheckOutput();
   }

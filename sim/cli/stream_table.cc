@@ -255,9 +255,7 @@ std::vector<std::string> StreamTable::TakeChannels(const ColumnMap& map) {
                                       .envelope_ms = mapping.envelope_ms});
     passes[mapping.column] = false;
   }
-  for (const std::string& envelope : EnvelopesOf(map)) {
-    Say("gauntlet: standard input: {}\n", envelope);
-  }
+  remarks_ = EnvelopesOf(map);
   std::vector<std::string> names;
   std::vector<ChannelValues::Parts> channels;
   for (std::size_t column = 0; column < columns_; ++column) {

@@ -62,6 +62,8 @@ class StreamTable {
   double Time() const;
   /// The cell that Time() begins with.
   std::string_view TimeText() const { return fields_[time_column()]; }
+  /// Facts of the map that a person should know, a sentence each.
+  const std::vector<std::string>& remarks() const { return remarks_; }
   /// True if values of channels depend on the times of the rows.
   bool needs_time() const { return channels_.needs_time(); }
   /// Value of a channel to filter; NaN if a part of it is missing. `time_s`: of the row.
@@ -97,6 +99,7 @@ class StreamTable {
   std::vector<std::size_t> filtered_;  // of the channels
   std::vector<OutputCell> output_;
   std::string header_;
+  std::vector<std::string> remarks_;
 
   std::size_t row_ = 0;
   std::vector<std::string_view> fields_;
