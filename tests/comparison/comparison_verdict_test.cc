@@ -141,6 +141,76 @@ TEST(ComparisonVerdict, StaysAtTheBaselineWhereNothingIsBetter) {
             "RMS. No other controller is clearly better in tracking error.");
 }
 
+TEST(ComparisonVerdict, LeavesTheBaselineOnlyForABetterController) {
+  // Both are 0.9 D +- 1 D better in tracking error: undecided. The baseline is within 2 D of them.
+  const std::vector<Entry> entries = {
+      {"raw", 5.0, 100, 0.20}, {"a", 4.55, 100, 0.20}, {"b", 4.56, 100, 0.19}};
+  EXPECT_EQ(VerdictOf(Of(entries, 1.0)).recommended, "raw");
+  // The baseline may be 2.9 D worse, which is too much, and the others are not better for certain.
+  const Verdict wide = VerdictOf(Of(entries, 2.0));
+  EXPECT_EQ(wide.recommended, "");
+  EXPECT_THAT(wide.Text(), HasSubstr("No recommendation: the tracking error, delay and jitter of raw"));
+  // A baseline that breaks a bound cannot be kept.
+  Summary bounded = Of({{"raw", 5.0, 100, 0.30}, {"a", 5.0, 100, 0.26}}, 0.1);
+  bounded.priority = ParsePriority("tracking, jitter_rms_deg<=0.28");
+  EXPECT_EQ(VerdictOf(bounded).recommended, "a");
+}
+
+TEST(ComparisonVerdict, NamesTies) {
+  Summary summary = Of(
+      {{"raw", 9.0, 100, 0.9}, {"a", 4.0, 100, 0.21}, {"b", 4.1, 101, 0.20}, {"c", 4.1, 99, 0.2}});
+  const std::size_t reversals = MetricIndex("command_reversals_per_s");
+  for (const auto& [c, value] : {std::pair{1, 14.0}, {2, 20.0}, {3, 16.0}}) {
+    summary.controllers[static_cast<std::size_t>(c)].summary[reversals].mean = value;
+  }
+  Verdict verdict = VerdictOf(summary);
+  EXPECT_EQ(verdict.recommended, "a");
+  EXPECT_THAT(verdict.Text(), HasSubstr("Equivalent: b and c."));
+  EXPECT_THAT(RolesOf(summary), ElementsAre("baseline", "recommended", "equivalent", "equivalent"));
+  summary.comparisons[summary.Place(reversals, 1, 2)].judgement = Judgement::kBetter;
+  EXPECT_THAT(VerdictOf(summary).Text(),
+              HasSubstr("Equivalent: c. Equivalent, but with more command reversals per s than a "
+                        "(14.0): b (20.0)."));
+}
+
+TEST(ComparisonVerdict, WithoutABaselineNamesNoneOfEqualControllers) {
+  Summary summary = Of({{"a", 4.0, 100, 0.21}, {"b", 4.1, 101, 0.20}, {"c", 4.1, 99, 0.2}});
+  summary.baseline.reset();
+  const std::size_t reversals = MetricIndex("command_reversals_per_s");
+  for (const auto& [c, value] : {std::pair{0, 14.0}, {1, 20.0}, {2, 16.0}}) {
+    summary.controllers[static_cast<std::size_t>(c)].summary[reversals].mean = value;
+  }
+  const Verdict verdict = VerdictOf(summary);
+  EXPECT_EQ(verdict.recommended, "");
+  EXPECT_THAT(verdict.alternatives, ElementsAre("a", "b", "c"));
+  EXPECT_EQ(verdict.Text(),
+            "Equivalent, use any: a, b and c (tracking error 4.00 to 4.10 deg RMS, delay 99.0 to "
+            "101 ms and jitter 0.200 to 0.210 deg RMS).");
+  EXPECT_THAT(RolesOf(summary), ElementsAre("equivalent", "equivalent", "equivalent"));
+  // Fewer reversals than one of the two is not enough.
+  summary.comparisons[summary.Place(reversals, 0, 1)].judgement = Judgement::kBetter;
+  EXPECT_EQ(VerdictOf(summary).recommended, "");
+  summary.comparisons[summary.Place(reversals, 0, 2)].judgement = Judgement::kBetter;
+  EXPECT_EQ(VerdictOf(summary).recommended, "a");
+  EXPECT_THAT(VerdictOf(summary).Text(),
+              HasSubstr("Equivalent, but with more command reversals per s than a (14.0): b (20.0) "
+                        "and c (16.0)."));
+}
+
+TEST(ComparisonVerdict, WithoutABaselineRecommendsWhatIsBetterThanEachOther) {
+  Summary summary = Of({{"a", 4.0, 100, 0.4}, {"b", 5.0, 100, 0.2}, {"c", 5.0, 100, 0.4}});
+  summary.baseline.reset();
+  EXPECT_EQ(VerdictOf(summary).recommended, "a");
+  EXPECT_THAT(VerdictOf(summary).alternatives, ElementsAre("b"));
+  // With wide intervals a is not better than b in tracking error.
+  Summary wide = Of({{"a", 4.0, 100, 0.4}, {"b", 4.6, 100, 0.4}}, 1.3);
+  wide.baseline.reset();
+  EXPECT_EQ(VerdictOf(wide).recommended, "");
+  EXPECT_THAT(VerdictOf(wide).Text(), HasSubstr("No recommendation: the tracking error, delay and "
+                                                "jitter of a (4.00 deg RMS) and b (4.60 deg RMS) "
+                                                "are undecided."));
+}
+
 TEST(ComparisonVerdict, CountsASmallUndecidedDifferenceAsEquivalentAndSaysSo) {
   // b - a: 0.4 D +- 1.2 D, undecided, at most 1.6 D = 0.8 deg.
   const std::vector<Entry> entries = {
@@ -158,8 +228,8 @@ TEST(ComparisonVerdict, RecommendsNothingWhereALargeDifferenceIsPossible) {
       VerdictOf(Of({{"raw", 9.0, 100, 0.9}, {"a", 4.0, 100, 0.9}, {"b", 4.2, 100, 0.2}}, 3.0));
   EXPECT_EQ(verdict.recommended, "");
   EXPECT_THAT(verdict.alternatives, ElementsAre("a", "b"));
-  EXPECT_THAT(verdict.Text(), HasSubstr("No recommendation: the tracking error of a (4.00 deg RMS) "
-                                        "and b (4.20 deg RMS) is undecided."));
+  EXPECT_THAT(verdict.Text(), HasSubstr("No recommendation: the tracking error and delay of a "
+                                        "(4.00 deg RMS) and b (4.20 deg RMS) are undecided."));
   EXPECT_TRUE(JsonOf(verdict)["recommended"].is_null());
 }
 
@@ -231,11 +301,34 @@ TEST(ComparisonVerdict, WarnsOfSaturationInterpenetrationAndOneMotion) {
 TEST(ComparisonVerdict, RarelyRecommendsWhatIsWorseByTwiceTheSmallestRelevantDifference) {
   for (const double scatter : {0.3, 1.0, 3.0}) {
     for (const Scatter shape : {Scatter::kNormal, Scatter::kSkewed}) {
-      const RecommendationOutcome outcome =
-          SimulateRecommendations({.scatter = shape, .scatter_size = scatter, .studies = 1000});
+      const RecommendationOutcome outcome = SimulateRecommendations(
+          {.truth = Truth::kUniform, .scatter = shape, .scatter_size = scatter, .studies = 1000});
       EXPECT_LE(outcome.too_bad, 0.05) << scatter;
       if (scatter <= 1.0) {
         EXPECT_GE(outcome.recommended, 0.7) << scatter;
+      }
+    }
+  }
+}
+
+TEST(ComparisonVerdict, RarelyNamesOneOfEqualControllers) {
+  for (const int controllers : {4, 6}) {
+    for (const int seeds : {8, 16}) {
+      for (const double scatter : {0.3, 0.5, 0.7, 1.0, 1.5}) {
+        const ComparisonsShape shape{.truth = Truth::kEqual,
+                                     .scatter_size = scatter,
+                                     .noises = seeds,
+                                     .controllers = controllers,
+                                     .studies = 200};
+        const RecommendationOutcome with_baseline = SimulateRecommendations(shape);
+        const RecommendationOutcome without = SimulateRecommendations(shape, false);
+        EXPECT_LE(with_baseline.recommended - with_baseline.baseline, 0.05)
+            << controllers << " controllers, " << seeds << " seeds, " << scatter << " D";
+        EXPECT_LE(without.recommended, 0.05)
+            << controllers << " controllers, " << seeds << " seeds, " << scatter << " D";
+        if (scatter <= 0.5) {  // and the baseline is named where the seeds suffice
+          EXPECT_GE(with_baseline.baseline, 0.9) << controllers << ' ' << seeds << ' ' << scatter;
+        }
       }
     }
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "controller/assert.h"
 #include "sim/answers/compare/comparison_verdict.h"
 #include "sim/answers/compare/summary.h"
 #include "sim/base/normal_pair.h"
@@ -36,19 +37,24 @@ class Simulation {
     }
   }
 
-  RecommendationOutcome Recommend() {
+  RecommendationOutcome Recommend(bool has_baseline) {
     const std::size_t tracking = MetricIndex("tracking_rmse_deg");
     const double relevant = Metrics()[tracking].relevant_difference.absolute;
     RecommendationOutcome shares;
     for (int study = 0; study < shape_.studies; ++study) {
-      truth_.clear();
-      for (std::size_t m = 0; m < Metrics().size(); ++m) Draw(m);
-      const std::string name = VerdictOf(Summarise(study_, result_)).recommended;
+      truth_.assign(Metrics().size(), {});
+      for (const PrimaryScore& score : PrimaryScores()) Draw(score.metric);
+      Draw(MetricIndex("command_reversals_per_s"));  // others decide nothing
+      Summary summary = Summarise(study_, result_);
+      GAUNTLET_ASSERT(summary.baseline == std::size_t{0});
+      if (!has_baseline) summary.baseline.reset();
+      const std::string name = VerdictOf(summary).recommended;
       if (name.empty()) continue;
       const std::size_t chosen = static_cast<std::size_t>(
           std::ranges::find(result_.controller_names, name) - result_.controller_names.begin());
       const std::vector<double>& means = truth_[tracking];
       shares.recommended += 1.0 / shape_.studies;
+      if (chosen == 0) shares.baseline += 1.0 / shape_.studies;
       if (means[chosen] - std::ranges::min(means) > 2.0 * relevant) {
         shares.too_bad += 1.0 / shape_.studies;
       }
@@ -58,7 +64,7 @@ class Simulation {
 
   ComparisonsOutcome Run() {
     for (int study = 0; study < shape_.studies; ++study) {
-      truth_.clear();
+      truth_.assign(Metrics().size(), {});
       for (std::size_t m = 0; m < Metrics().size(); ++m) Draw(m);
       Count(Summarise(study_, result_));
     }
@@ -93,7 +99,7 @@ class Simulation {
     constexpr double kBase = 100.0;
     const Metric& drawn = Metrics()[metric];
     const double d = RelevantDifferenceBetween(drawn, kBase, kBase);
-    std::vector<double>& means = truth_.emplace_back();
+    std::vector<double>& means = truth_[metric];
     for (int c = 0; c < shape_.controllers; ++c) {
       double mean = kBase + d * Offset(static_cast<std::size_t>(c));
       // D is a share of the smaller of the two.
@@ -207,9 +213,8 @@ ComparisonsOutcome SimulateComparisons(const ComparisonsShape& shape) {
   return Simulation(shape).Run();
 }
 
-RecommendationOutcome SimulateRecommendations(ComparisonsShape shape) {
-  shape.truth = Truth::kUniform;
-  return Simulation(shape).Recommend();
+RecommendationOutcome SimulateRecommendations(const ComparisonsShape& shape, bool has_baseline) {
+  return Simulation(shape).Recommend(has_baseline);
 }
 
 }  // namespace gauntlet::sim

@@ -52,12 +52,15 @@ struct ComparisonsOutcome {
 
 ComparisonsOutcome SimulateComparisons(const ComparisonsShape& shape);
 
-/// What VerdictOf() recommended where true differences are kUniform. Shares of studies.
+/// Recommendations of VerdictOf(). Shares of studies.
 struct RecommendationOutcome {
   double recommended = 0.0;  // with a recommendation
+  double baseline = 0.0;     // it is the first controller
   double too_bad = 0.0;  // it is worse than another in tracking error by more than 2 D, in truth
 };
 
-RecommendationOutcome SimulateRecommendations(ComparisonsShape shape);
+/// `has_baseline`: the first controller is the baseline; else there is none.
+RecommendationOutcome SimulateRecommendations(const ComparisonsShape& shape,
+                                              bool has_baseline = true);
 
 }  // namespace gauntlet::sim

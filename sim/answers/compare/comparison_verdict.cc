@@ -45,16 +45,59 @@ class Choice {
           all_, [&](std::size_t c) { return summary.controllers[c].rank[score.metric] > 0; });
       (whole ? scores_ : left_out_).push_back(score.metric);
     }
+    const std::optional<std::size_t>& baseline = summary.baseline;
+    if (baseline && std::ranges::count(all_, *baseline) > 0 && KeepsBounds(*baseline)) {
+      baseline_ = baseline;
+    }
     if (summary.one_run) return;
     for (const std::size_t metric : scores_) {
       if (const auto candidate = CandidateFor(metric)) candidates_.emplace_back(metric, *candidate);
     }
+    best_ = For(summary_.priority.metric);
+    if (!best_) return;
+    for (const std::size_t c : all_) {
+      if (*best_ != c && KeepsBounds(c) && !IsBetter(*best_, c)) not_beaten_.push_back(c);
+    }
+    std::ranges::copy_if(not_beaten_, std::back_inserter(equivalent_),
+                         [&](std::size_t c) { return IsEquivalent(*best_, c); });
   }
 
   const Places& all() const { return all_; }
   const Places& scores() const { return scores_; }
   const Places& left_out() const { return left_out_; }
-  std::optional<std::size_t> recommended() const { return For(summary_.priority.metric); }
+  /// With a baseline, it or one that is better in a primary score. Without one, a controller that
+  /// is better than each other in a primary score or, where it is equivalent, in reversals.
+  std::optional<std::size_t> recommended() const {
+    const bool is_earned =
+        baseline_ || std::ranges::all_of(not_beaten_, [&](std::size_t c) {
+          return std::ranges::count(equivalent_, c) > 0 && HasFewerReversals(*best_, c);
+        });
+    return is_earned ? best_ : std::nullopt;
+  }
+  /// Equivalent to the candidate for the priority in every primary score. The baseline is none: a
+  /// controller that is recommended is better than it.
+  Places equivalent() const { return best_ && best_ != baseline_ ? equivalent_ : Places{}; }
+  /// The candidate for the priority and its equivalents, where nothing more decides between them.
+  Places any_of() const {
+    if (!best_ || recommended() || not_beaten_.size() != equivalent_.size()) return {};
+    Places any = {*best_};
+    any.insert(any.end(), equivalent_.begin(), equivalent_.end());
+    std::ranges::sort(any);
+    return any;
+  }
+  /// The candidate for the priority and those that it is better than in no primary score, where
+  /// there is no recommendation because of them.
+  Places not_beaten() const {
+    if (!best_ || recommended()) return {};
+    Places open = not_beaten_;
+    open.push_back(*best_);
+    std::ranges::sort(open);
+    return open;
+  }
+  /// Is judged to have fewer command reversals.
+  bool HasFewerReversals(std::size_t c, std::size_t other) const {
+    return JudgementOf(reversals_, c, other) == Judgement::kBetter;
+  }
   /// Scores other than the priority with a controller that is better in them than the recommended
   /// one.
   std::vector<std::pair<std::size_t, std::size_t>> alternatives() const {
@@ -85,6 +128,16 @@ class Choice {
   }
 
  private:
+  /// In a primary score.
+  bool IsBetter(std::size_t c, std::size_t other) const {
+    return std::ranges::any_of(
+        scores_, [&](std::size_t m) { return JudgementOf(m, c, other) == Judgement::kBetter; });
+  }
+  /// In every primary score.
+  bool IsEquivalent(std::size_t c, std::size_t other) const {
+    return std::ranges::all_of(
+        scores_, [&](std::size_t m) { return JudgementOf(m, c, other) == Judgement::kEqual; });
+  }
   bool IsNoWorse(std::size_t metric, std::size_t c, std::size_t other) const {
     const Judgement judgement = JudgementOf(metric, c, other);
     if (judgement != Judgement::kUndecided) return judgement != Judgement::kWorse;
@@ -92,10 +145,7 @@ class Choice {
   }
   bool IsDominated(std::size_t c) const {
     return std::ranges::any_of(all_, [&](std::size_t other) {
-      return KeepsBounds(other) &&
-             std::ranges::any_of(
-                 scores_,
-                 [&](std::size_t m) { return JudgementOf(m, other, c) == Judgement::kBetter; }) &&
+      return KeepsBounds(other) && IsBetter(other, c) &&
              std::ranges::all_of(scores_, [&](std::size_t m) { return IsNoWorse(m, other, c); });
     });
   }
@@ -104,7 +154,8 @@ class Choice {
     for (const std::size_t c : all_) {
       const bool below_baseline =
           summary_.baseline && JudgementOf(metric, c, *summary_.baseline) == Judgement::kWorse;
-      const bool is_candidate = KeepsBounds(c) && !below_baseline && !IsDominated(c) &&
+      const bool is_earned = !baseline_ || c == *baseline_ || IsBetter(c, *baseline_);
+      const bool is_candidate = KeepsBounds(c) && is_earned && !below_baseline && !IsDominated(c) &&
                                 std::ranges::all_of(all_, [&](std::size_t other) {
                                   return !KeepsBounds(other) || IsNoWorse(metric, c, other);
                                 });
@@ -114,13 +165,18 @@ class Choice {
       if (score != metric) KeepBest(score, left);
     }
     if (left.empty()) return std::nullopt;
-    const bool has_baseline = summary_.baseline && std::ranges::count(left, *summary_.baseline) > 0;
-    return has_baseline ? *summary_.baseline : *Best(metric, left);
+    if (baseline_ && std::ranges::count(left, *baseline_) > 0) return baseline_;
+    // Means of equals are chance, and change with the seeds. Reversals differ between them if
+    // anything does.
+    const std::size_t best = *Best(metric, left);
+    std::erase_if(left, [&](std::size_t c) { return c != best && !IsEquivalent(c, best); });
+    return *Best(reversals_, left);
   }
   Places::const_iterator Best(std::size_t metric, const Places& places) const {
     const double sign = Metrics()[metric].lower_is_better ? 1.0 : -1.0;
     return std::ranges::min_element(places, {}, [&](std::size_t c) {
-      return sign * summary_.controllers[c].summary[metric].mean;
+      const double mean = summary_.controllers[c].summary[metric].mean;
+      return std::isfinite(mean) ? sign * mean : std::numeric_limits<double>::infinity();
     });
   }
   /// Keeps the best of a score, and those equivalent to it.
@@ -137,10 +193,15 @@ class Choice {
   }
 
   const Summary& summary_;
+  const std::size_t reversals_ = MetricIndex("command_reversals_per_s");
   Places all_;
   Places scores_;                                                // in the order of PrimaryScores()
   Places left_out_;                                              // primary scores
+  std::optional<std::size_t> baseline_;                          // if it may be recommended
   std::vector<std::pair<std::size_t, std::size_t>> candidates_;  // score, controller
+  std::optional<std::size_t> best_;                              // candidate for the priority
+  Places not_beaten_;                                            // by it in any primary score
+  Places equivalent_;                                            // of these
 };
 
 /// "Use b: tracking error 4.45 deg RMS (raw 6.44), but delay 59 ms (raw 50); jitter equivalent."
@@ -188,6 +249,55 @@ std::string Recommendation(const Summary& summary, const Choice& choice, std::si
   return text + ".";
 }
 
+/// "nearest (17.5) and noise_shaping (18.8)".
+std::string ReversalsOf(const Summary& summary, const Places& controllers) {
+  std::vector<std::string> values;
+  for (const std::size_t c : controllers) {
+    values.push_back(fmt::format("{} ({})", summary.controllers[c].name,
+                                 Value(summary, c, MetricIndex("command_reversals_per_s"))));
+  }
+  return Listed(values);
+}
+
+/// "Equivalent: one_euro." Where reversals decide: "Equivalent, but with more command reversals per
+/// s than hysteresis (13.2): nearest (17.5) and noise_shaping (18.8)."
+std::string Ties(const Summary& summary, const Choice& choice, std::size_t recommended) {
+  Places more;
+  std::vector<std::string> others;
+  for (const std::size_t c : choice.equivalent()) {
+    if (choice.HasFewerReversals(recommended, c)) {
+      more.push_back(c);
+    } else {
+      others.push_back(summary.controllers[c].name);
+    }
+  }
+  std::string text;
+  if (!others.empty()) text = fmt::format("Equivalent: {}.", Listed(others));
+  if (!more.empty()) {
+    text += fmt::format("{}Equivalent, but with more command reversals per s than {}: {}.",
+                        text.empty() ? "" : " ", ReversalsOf(summary, {recommended}),
+                        ReversalsOf(summary, more));
+  }
+  return text;
+}
+
+/// "Equivalent: any of a, b and c: tracking error 4.97 deg RMS, delay 119 ms and jitter 0.2 deg
+/// RMS."
+std::string AnyOf(const Summary& summary, const Choice& choice, Verdict& verdict) {
+  const Places any = choice.any_of();
+  for (const std::size_t c : any) verdict.alternatives.push_back(summary.controllers[c].name);
+  std::vector<std::string> ranges;
+  for (const std::size_t metric : choice.scores()) {
+    const auto [least, most] = std::ranges::minmax(
+        any, {}, [&](std::size_t c) { return summary.controllers[c].summary[metric].mean; });
+    const std::string low = Value(summary, least, metric), high = Value(summary, most, metric);
+    ranges.push_back(low == high ? NamedValue(summary, least, metric)
+                                 : fmt::format("{} {} to {}", Metrics()[metric].name, low,
+                                               ValueWithUnit(summary, most, metric)));
+  }
+  return fmt::format("Equivalent, use any: {} ({}).", Listed(verdict.alternatives), Listed(ranges));
+}
+
 /// "Use c if jitter matters more: 0.1 deg RMS instead of 0.2, but tracking error 6.8 deg RMS
 /// instead of 4.5."
 std::string Alternative(const Summary& summary, const Choice& choice, std::size_t metric,
@@ -217,18 +327,33 @@ std::string Undecided(const Summary& summary, const Choice& choice, Verdict& ver
     for (const Constraint& bound : summary.priority.bounds) bounds.push_back(bound.Text());
     return fmt::format("No controller meets {}.", Listed(bounds));
   }
-  std::vector<std::string> values;
-  for (const std::size_t c : choice.all()) {
-    const bool is_worse = std::ranges::any_of(choice.all(), [&](std::size_t other) {
-      return keeps(other) && choice.JudgementOf(metric, c, other) == Judgement::kWorse;
+  Places left = choice.not_beaten();
+  if (left.empty()) {
+    std::ranges::copy_if(choice.all(), std::back_inserter(left), [&](std::size_t c) {
+      return keeps(c) && std::ranges::none_of(choice.all(), [&](std::size_t other) {
+               return keeps(other) && choice.JudgementOf(metric, c, other) == Judgement::kWorse;
+             });
     });
-    if (is_worse || !keeps(c)) continue;
+  }
+  std::vector<std::string> values;
+  for (const std::size_t c : left) {
     verdict.alternatives.push_back(summary.controllers[c].name);
     values.push_back(
         fmt::format("{} ({})", summary.controllers[c].name, ValueWithUnit(summary, c, metric)));
   }
-  return fmt::format("No recommendation: the {} of {} is undecided. {} can decide it.",
-                     Metrics()[metric].name, Listed(values),
+  std::vector<std::string> undecided;
+  for (const std::size_t score : choice.scores()) {
+    const auto is_undecided = [&](std::size_t a, std::size_t b) {
+      return choice.JudgementOf(score, a, b) == Judgement::kUndecided;
+    };
+    const bool is_open = std::ranges::any_of(left, [&](std::size_t a) {
+      return std::ranges::any_of(left, [&](std::size_t b) { return is_undecided(a, b); });
+    });
+    if (is_open) undecided.emplace_back(Metrics()[score].name);
+  }
+  if (undecided.empty()) undecided.emplace_back(Metrics()[metric].name);
+  return fmt::format("No recommendation: the {} of {} {} undecided. {} can decide it.",
+                     Listed(undecided), Listed(values), undecided.size() == 1 ? "is" : "are",
                      summary.blocks.empty() ? "More seeds or recordings"
                                             : "A longer recording or more recordings");
 }
@@ -256,7 +381,7 @@ std::string CountedAsEquivalent(const Summary& summary, const Choice& choice,
     if (other == recommended || !choice.KeepsBounds(other)) continue;
     if (choice.JudgementOf(metric, recommended, other) != Judgement::kUndecided) continue;
     const double most = choice.MostWorse(metric, recommended, other);
-    if (most <= 0.0) continue;
+    if (most <= summary.Of(metric, recommended, other).relevant_difference) continue;
     others.push_back(fmt::format("{} (at most {} {} worse)", summary.controllers[other].name,
                                  Short(most), Metrics()[metric].unit));
   }
@@ -368,10 +493,15 @@ Verdict VerdictOf(const Summary& summary) {
   } else if (summary.one_run) {
     verdict.AddReason("one_run", OfOneRun(summary, choice));
   } else if (!recommended) {
-    verdict.AddReason("undecided", Undecided(summary, choice, verdict));
+    if (choice.any_of().empty()) {
+      verdict.AddReason("undecided", Undecided(summary, choice, verdict));
+    } else {
+      verdict.AddReason("equivalent", AnyOf(summary, choice, verdict));
+    }
   } else {
     verdict.recommended = summary.controllers[*recommended].name;
     verdict.AddReason("recommended", Recommendation(summary, choice, *recommended));
+    verdict.AddReason("equivalent", Ties(summary, choice, *recommended));
     for (const auto& [metric, c] : choice.alternatives()) {
       verdict.alternatives.push_back(summary.controllers[c].name);
       verdict.AddReason("alternative", Alternative(summary, choice, metric, c, *recommended));
@@ -422,7 +552,11 @@ std::vector<std::string> RolesOf(const Summary& summary) {
     roles[c] += (roles[c].empty() ? "" : ", ") + role;
   };
   if (summary.controllers.size() == 1) return roles;
-  if (const auto recommended = choice.recommended()) add(*recommended, "recommended");
+  if (const auto recommended = choice.recommended()) {
+    add(*recommended, "recommended");
+    for (const std::size_t c : choice.equivalent()) add(c, "equivalent");
+  }
+  for (const std::size_t c : choice.any_of()) add(c, "equivalent");
   for (const auto& [metric, c] : choice.alternatives()) {
     add(c, fmt::format("least {}", Metrics()[metric].name));
   }

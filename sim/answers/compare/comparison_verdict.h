@@ -16,20 +16,24 @@ namespace gauntlet::sim {
 /// judged better or equivalent, or if the difference is undecided and at most 2 D to its
 /// disadvantage. A controller is dominated if another is better in one primary score and no worse
 /// in the others. Candidates for a score are not dominated, keep the bounds of the priority, are
-/// not worse than the baseline in that score, and no worse than any controller in it. Of them the
-/// least jitter, then the least delay, then the least tracking error decides, each among equivalent
-/// ones; after that the baseline, then the score itself.
+/// no worse than any controller in it, and are the baseline, or judged better than it in a primary
+/// score and not worse in that one. Of them the least jitter, then the least delay, then the least
+/// tracking error decides, each among those that are no worse; after that the baseline. Of those
+/// that are equivalent in all primary scores, the one with the fewest command reversals is named,
+/// and the others as equivalent.
 ///
-/// The candidate for the user's priority is recommended. Those for the other primary scores are the
-/// alternatives, where they are better than the recommended one in their score. One run recommends
-/// nothing.
+/// The candidate for the user's priority is recommended. Without a baseline it must also be judged
+/// better than every other controller in a primary score or, where both are equivalent, in command
+/// reversals; else all of them are named as equivalent, or as undecided. Candidates for the other
+/// primary scores are the alternatives, where they are better than the recommended one in their
+/// score. One run recommends nothing.
 Verdict VerdictOf(const Summary& summary);
 /// Indices of controllers: recommended, alternatives, the others by tracking error.
 std::vector<std::size_t> OrderOfVerdict(const Summary& summary);
 /// Whom a page and a video show first, at most three: the baseline, the recommended controller and
 /// the first alternative; where nothing is recommended, the baseline and the next in the order.
 std::vector<std::size_t> ShownControllers(const Summary& summary);
-/// Role of each controller: "recommended", "least jitter", "baseline" or the like; empty for most.
+/// Role of each controller: "recommended", "equivalent", "least jitter", "baseline"; empty for most.
 std::vector<std::string> RolesOf(const Summary& summary);
 
 /// The main metrics that some controller has a value of.
