@@ -14,6 +14,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLeastHeld_s = 0.1;
+constexpr double kLeastFall_s = 0.1;  // 5 cm
 constexpr double kLoadMean_s = 0.02;
 
 Vector3d PlaceAt(const Signal& pose, int tick) { return pose.row(tick).head<3>(); }
@@ -51,9 +52,8 @@ double LargestWhileHeld(const GraspSignals& grasp, const CountedTicks& counted,
   return largest;
 }
 
-}  // namespace
-
-std::vector<TickRange> HeldRanges(const GraspSignals& grasp) {
+/// While the support does not carry the object, for long enough, from a touch of the hand on.
+std::vector<TickRange> RangesOffSupport(const GraspSignals& grasp) {
   GAUNTLET_ASSERT(grasp.support_force_n.size() == grasp.grip_force_n.size());
   const auto ticks = static_cast<int>(grasp.grip_force_n.size());
   const auto least = static_cast<int>(std::lround(kLeastHeld_s * grasp.rate_hz));
@@ -65,6 +65,32 @@ std::vector<TickRange> HeldRanges(const GraspSignals& grasp) {
     if (grasp.grip_force_n[begin] >= kTouchN) ranges.push_back({begin, tick});
   }
   return ranges;
+}
+
+}  // namespace
+
+std::vector<TickRange> HeldRanges(const GraspSignals& grasp) {
+  std::vector<TickRange> ranges = RangesOffSupport(grasp);
+  const int fall = FallTick(grasp);
+  std::erase_if(ranges, [fall](const TickRange& range) { return range.begin >= fall; });
+  if (!ranges.empty()) ranges.back().end = std::min(ranges.back().end, fall);
+  return ranges;
+}
+
+int FallTick(const GraspSignals& grasp) {
+  const auto ticks = static_cast<int>(grasp.grip_force_n.size());
+  const auto least = static_cast<int>(std::lround(kLeastFall_s * grasp.rate_hz));
+  const std::vector<TickRange> off_support = RangesOffSupport(grasp);
+  if (off_support.empty()) return ticks;
+  for (int tick = off_support.front().begin; tick < ticks; ++tick) {
+    const int begin = tick;
+    while (tick < ticks && grasp.grip_force_n[tick] < kTouchN &&
+           grasp.support_force_n[tick] < kTouchN) {
+      ++tick;
+    }
+    if (tick - begin >= std::max(least, 1)) return begin;
+  }
+  return ticks;
 }
 
 double ObjectSlip(const GraspSignals& grasp, const CountedTicks& counted) {
@@ -79,6 +105,7 @@ double ObjectTilt(const GraspSignals& grasp, const CountedTicks& counted) {
   });
   CountedTicks standing = counted;
   for (const TickRange& held : HeldRanges(grasp)) standing = Without(standing, held);
+  standing = Overlap(standing, {{0, FallTick(grasp)}});
   for (const TickRange& range : standing) {
     for (int tick = range.begin; tick < range.end; ++tick) {
       largest = std::fmax(largest, AngleBetween(AxisAt(*grasp.pose, tick), Vector3d::UnitZ()));
@@ -106,13 +133,21 @@ double GripForceRatio(const GraspSignals& grasp, const CountedTicks& counted) {
 }
 
 double LostContactShare(const GraspSignals& grasp, const CountedTicks& counted) {
+  const auto ticks = static_cast<int>(grasp.grip_force_n.size());
   int held_ticks = 0;
   int lost_ticks = 0;
   ForEachTick(HeldRanges(grasp), counted, [&](const TickRange&, int tick) {
     ++held_ticks;
     lost_ticks += grasp.grip_force_n[tick] < kTouchN ? 1 : 0;
   });
-  return held_ticks == 0 ? kNoScore : static_cast<double>(lost_ticks) / held_ticks;
+  const int fall = FallTick(grasp);
+  const int fallen_ticks = fall < ticks ? CountOf(Overlap({{fall, ticks}}, counted)) : 0;
+  if (held_ticks + fallen_ticks == 0) return kNoScore;
+  return static_cast<double>(lost_ticks + fallen_ticks) / (held_ticks + fallen_ticks);
+}
+
+double ObjectDropped(const GraspSignals& grasp) {
+  return FallTick(grasp) < std::ssize(grasp.grip_force_n) ? 1.0 : 0.0;
 }
 
 }  // namespace gauntlet::sim

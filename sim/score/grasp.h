@@ -14,7 +14,8 @@ namespace gauntlet::sim {
 /// The hand touches the object where the grip force is kTouchN or more, and the support carries it
 /// where the force of the support is. The hand holds the object from the tick at which it touches
 /// the object and the support carries it no more, for 0.1 s at least, until the support carries it
-/// again. So it also holds one that it then drops.
+/// again or the object falls. An object falls that was held, from the tick from which neither hand
+/// nor support touches it for 0.1 s, to the end.
 struct GraspSignals {
   double rate_hz = 1000.0;
   std::span<const double> grip_force_n = {};     // sum of the normal forces of the hand
@@ -29,6 +30,8 @@ struct GraspSignals {
 
 /// While the hand holds the object.
 std::vector<TickRange> HeldRanges(const GraspSignals& grasp);
+/// First tick of the fall; the number of ticks if the object does not fall.
+int FallTick(const GraspSignals& grasp);
 
 // All of the ticks that count; kNoScore where there are none.
 
@@ -52,7 +55,11 @@ double ObjectTilt(const GraspSignals& grasp, const CountedTicks& counted);
 /// Source: ratio of grip force to slip force, Westling and Johansson 1984, doi 10.1007/BF00238156.
 double GripForceRatio(const GraspSignals& grasp, const CountedTicks& counted);
 
-/// Share of the time in which the hand holds the object and does not touch it.
+/// Share of the time in which the hand does not touch the object, of that in which it holds it or
+/// the object falls.
 double LostContactShare(const GraspSignals& grasp, const CountedTicks& counted);
+
+/// 1 if the object falls, else 0.
+double ObjectDropped(const GraspSignals& grasp);
 
 }  // namespace gauntlet::sim

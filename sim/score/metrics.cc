@@ -427,12 +427,21 @@ constexpr MetricRow kRows[] = {
       .help = "share of time in which the hand does not touch the lifted object",
       .definition =
           "share of samples with a grip force below 0.1 N, from lifting the object off its "
-          "support until it stands there again",
+          "support until it stands there again, or to the end if it falls",
       .detailed = true,
       .relevant_difference = kShareOfTime},
      [](const ScoredHand& h) {
        return h.grasp.exist() ? LostContactShare(h.grasp, h.counted) : kNoScore;
      }},
+    {{.key = "object_dropped_share",
+      .name = "dropped",
+      .unit = "share",
+      .help = "share of trials in which the hand drops the lifted object",
+      .definition = "1 if, after a hold, neither the hand nor the support touches the object for "
+                    "0.1 s, else 0",
+      .detailed = true,
+      .relevant_difference = kShareOfTime},
+     [](const ScoredHand& h) { return h.grasp.exist() ? ObjectDropped(h.grasp) : kNoScore; }},
     {{.key = "fingertip_error_mm",
       .name = "fingertip error",
       .unit = "mm RMS",

@@ -255,6 +255,16 @@ GloveFacts FactsOf(const GloveSignal& glove) {
           .masked = glove.masked};
 }
 
+std::string FittedToOneGlove(const Study& study) {
+  const bool is_recorded = std::ranges::all_of(study.repetitions, &GloveFacts::is_recorded);
+  if (is_recorded || !study.scenario.glove.sensor.is_drawn()) return "";
+  const auto fitted =
+      std::ranges::find_if(study.scenario.controllers, [](const NamedController& named) {
+        return named.config.linearisation.kind != controller::LinearisationKind::kGlove;
+      });
+  return fitted == study.scenario.controllers.end() ? "" : fitted->name;
+}
+
 controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
                                 const controller::ControllerConfig& config) {
   return {.controller = config,

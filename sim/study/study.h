@@ -56,6 +56,10 @@ struct Study {
 controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
                                 const controller::ControllerConfig& config);
 
+/// Name of a controller with curves that were measured on one glove, where each seed draws another
+/// glove; empty if there is none.
+std::string FittedToOneGlove(const Study& study);
+
 /// The glove's signal of a seed.
 std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed);
 

@@ -71,6 +71,17 @@ void RefuseLinks(const Scenario& scenario) {
   }
 }
 
+/// The curves of one glove do not fit those that other seeds draw.
+void RefuseOtherGloves(const Study& study, int seeds) {
+  const std::string name = FittedToOneGlove(study);
+  if (name.empty()) return;
+  throw controller::SettingError(
+      "controllers." + name,
+      fmt::format("has the curves of one glove, but each of {} seeds draws another glove: use "
+                  "gauntlet run, or set the deviations of glove.sensor to 0",
+                  seeds));
+}
+
 /// Runs the trials of a study on the threads that call Work().
 class StudyRun {
  public:
@@ -340,6 +351,7 @@ StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   const Repeats repeats(study, asked.seeds);
   if (repeats.alike()) options.seeds = static_cast<int>(study.repetitions.size());
   if (!options.physics) RefuseLinks(study.scenario);
+  if (options.seeds > 1 && !repeats.alike()) RefuseOtherGloves(study, options.seeds);
   CheckRoom(study, options);
   StudyRun run(study, options);
   RunOnThreads(

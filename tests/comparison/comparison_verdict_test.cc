@@ -149,7 +149,8 @@ TEST(ComparisonVerdict, LeavesTheBaselineOnlyForABetterController) {
   // The baseline may be 2.9 D worse, which is too much, and the others are not better for certain.
   const Verdict wide = VerdictOf(Of(entries, 2.0));
   EXPECT_EQ(wide.recommended, "");
-  EXPECT_THAT(wide.Text(), HasSubstr("No recommendation: the tracking error, delay and jitter of raw"));
+  EXPECT_THAT(wide.Text(),
+              HasSubstr("No recommendation: the tracking error, delay and jitter of raw"));
   // A baseline that breaks a bound cannot be kept.
   Summary bounded = Of({{"raw", 5.0, 100, 0.30}, {"a", 5.0, 100, 0.26}}, 0.1);
   bounded.priority = ParsePriority("tracking, jitter_rms_deg<=0.28");
@@ -286,6 +287,8 @@ TEST(ComparisonVerdict, WarnsOfSaturationInterpenetrationAndOneMotion) {
   summary.motions = 1;
   for (ControllerSummary& controller : summary.controllers) {
     controller.summary[MetricIndex("digit_overlap_share")].mean = 0.25;
+    const bool drops = controller.name == "raw" || controller.name == "mean";
+    controller.summary[MetricIndex("object_dropped_share")].mean = drops ? 0.5 : 0.0;
     for (const TrackingErrorPart& part : TrackingErrorParts()) {
       controller.summary[part.metric].mean = 0.0;
     }
@@ -295,7 +298,8 @@ TEST(ComparisonVerdict, WarnsOfSaturationInterpenetrationAndOneMotion) {
   EXPECT_THAT(VerdictOf(summary).Doubts(),
               ElementsAre("One motion: the confidence intervals cover noise only.",
                           "Actuator saturation causes 75 % of the squared error of prediction.",
-                          "Fingers interpenetrate for 25 % of the time (hand.contact)."));
+                          "Fingers interpenetrate for 25 % of the time (hand.contact).",
+                          "The object falls with raw in 50 % of trials and with mean in 50 %."));
 }
 
 TEST(ComparisonVerdict, RarelyRecommendsWhatIsWorseByTwiceTheSmallestRelevantDifference) {

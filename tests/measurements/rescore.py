@@ -431,8 +431,15 @@ def largest(values):
 
 
 def held_ranges(grip, support, rate_hz):
-    """While the support carries the object no more, from a tick on at which the hand touches it."""
-    return [(b, e) for b, e in stretches(support < 0.1) if e - b >= half_up(0.1 * rate_hz) and grip[b] >= 0.1]
+    """While the support carries the object no more, from a tick on at which the hand touches it, until it falls.
+
+    Returns these ranges and the tick from which it falls, the number of ticks if it does not."""
+    least = half_up(0.1 * rate_hz)
+    held = [(b, e) for b, e in stretches(support < 0.1) if e - b >= least and grip[b] >= 0.1]
+    free = (grip < 0.1) & (support < 0.1)
+    free[: held[0][0] if held else len(free)] = False
+    fall = next((b for b, e in stretches(free) if e - b >= least), len(grip))
+    return [(b, min(e, fall)) for b, e in held if b < fall], fall
 
 
 def axis_of(pose):
@@ -448,11 +455,14 @@ def angles_to(axes, axis):
 def grasp_scores(grip, forces, pose, in_palm, friction, rate_hz, counted):
     """Object slip, tilt, grip force ratio and lost contact of the whole hand."""
     if grip is None:
-        return dict.fromkeys(("object_slip_mm", "object_tilt_deg", "grip_force_ratio", "lost_contact_share"), NAN)
-    held = held_ranges(grip, forces[:, 1], rate_hz)
+        return dict.fromkeys(("object_slip_mm", "object_tilt_deg", "grip_force_ratio", "lost_contact_share",
+                              "object_dropped_share"), NAN)
+    held, fall = held_ranges(grip, forces[:, 1], rate_hz)
     counts, window = ticks_of(counted, len(grip)), half_up(0.02 * rate_hz)
     slips, tilts, ratios, lost = [], [], [], []
     standing = counts.copy()
+    standing[fall:] = False
+    lost.extend([True] * int(counts[fall:].sum()))
     for begin, end in held:
         standing[begin:end] = False
         ticks = np.arange(begin, end)[counts[begin:end]]
@@ -466,7 +476,7 @@ def grasp_scores(grip, forces, pose, in_palm, friction, rate_hz, counted):
     tilts.extend(angles_to(axis_of(pose[standing]), np.array([0.0, 0.0, 1.0])))
     return {"object_slip_mm": largest(slips), "object_tilt_deg": largest(tilts),
             "grip_force_ratio": np.min(ratios) if ratios else NAN,
-            "lost_contact_share": np.mean(lost) if lost else NAN}
+            "lost_contact_share": np.mean(lost) if lost else NAN, "object_dropped_share": float(fall < len(grip))}
 
 
 # Fingertips, by kinematics that are read from the model's files

@@ -95,6 +95,32 @@ TEST(ObjectSlip, EndsWhereTheHandTouchesItNoMore) {
   EXPECT_NEAR(example.Lost(), 1999.0 / 3000.0, 1e-12);
 }
 
+TEST(Grasp, OfAFallingObjectIsLostToTheEnd) {
+  Example example;
+  EXPECT_EQ(FallTick(example.Signals()), kTicks);
+  EXPECT_EQ(ObjectDropped(example.Signals()), 0.0);
+  // It leaves the hand, touches the edge of the support on its way, and falls.
+  std::fill(example.grip_n.begin() + 2000, example.grip_n.end(), 0.0);
+  std::fill_n(example.support_n.begin() + 2050, 10, 5.0);
+  for (int n = 2060; n < kTicks; ++n) {
+    Example::Put(n, example.pose, Vector3d(0.4, 0.0, -5.0),
+                 Example::Turned(170.0, {1.0, 0.0, 0.0}));
+  }
+  EXPECT_EQ(FallTick(example.Signals()), 2060);
+  EXPECT_EQ(ObjectDropped(example.Signals()), 1.0);
+  EXPECT_NEAR(example.Lost(), (50.0 + kTicks - 2060) / (1050.0 + kTicks - 2060), 1e-12);
+  EXPECT_NEAR(example.Tilt_deg(), 0.0, 1e-9) << "of the hold, not of the fall";
+  // Held again before 0.1 s are over: not dropped.
+  std::fill(example.grip_n.begin() + 2159, example.grip_n.end(), 12.0);
+  EXPECT_EQ(ObjectDropped(example.Signals()), 0.0);
+  // It stands where the hand lets it go.
+  Example put_down;
+  std::fill(put_down.support_n.begin() + 2000, put_down.support_n.end(), kWeightN);
+  std::fill(put_down.grip_n.begin() + 2000, put_down.grip_n.end(), 0.0);
+  EXPECT_EQ(ObjectDropped(put_down.Signals()), 0.0);
+  EXPECT_EQ(put_down.Lost(), 0.0);
+}
+
 TEST(ObjectTilt, IsTheAngleToTheVerticalUntilTheLift) {
   Example example;
   EXPECT_NEAR(example.Tilt_deg(), 0.0, 1e-9);

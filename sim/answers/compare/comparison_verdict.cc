@@ -446,6 +446,19 @@ std::string Interpenetration(const Summary& summary) {
                      least == most ? most : least + " to " + most);
 }
 
+/// "The object falls with raw in 100 % of trials and with mean_20 in 25 %."
+std::string Dropped(const Summary& summary) {
+  const std::size_t metric = MetricIndex("object_dropped_share");
+  std::vector<std::string> dropped;
+  for (const ControllerSummary& controller : summary.controllers) {
+    const double share = controller.summary[metric].mean;
+    if (!(share > 0.0)) continue;
+    dropped.push_back(fmt::format("with {} in {:.0f} %{}", controller.name, 100.0 * share,
+                                  dropped.empty() ? " of trials" : ""));
+  }
+  return dropped.empty() ? "" : fmt::format("The object falls {}.", Listed(dropped));
+}
+
 void AddWarnings(const Summary& summary, const Choice& choice,
                  std::optional<std::size_t> recommended, Verdict& verdict) {
   for (const std::size_t metric : choice.left_out()) {
@@ -473,6 +486,7 @@ void AddWarnings(const Summary& summary, const Choice& choice,
                        Saturation(summary, recommended.value_or(choice.all().front())));
   }
   verdict.AddWarning("interpenetration", Interpenetration(summary));
+  verdict.AddWarning("dropped", Dropped(summary));
 }
 
 }  // namespace

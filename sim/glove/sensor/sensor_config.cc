@@ -4,6 +4,13 @@
 
 namespace gauntlet::sim {
 
+bool SensorConfig::is_drawn() const {
+  return gain_deviation_percent > 0.0 || offset_deviation_percent > 0.0 ||
+         curvature_deviation_percent > 0.0 || drift_deviation_percent > 0.0 ||
+         cross_talk_percent > 0.0 || (hysteresis_deg > 0.0 && hysteresis_deviation_percent > 0.0) ||
+         (lag_ms > 0.0 && lag_deviation_percent > 0.0);
+}
+
 void SensorConfig::Visit(controller::SettingsVisitor& visitor) {
   const auto number = [&visitor](std::string_view key, std::string_view help, double min,
                                  double max, double& value) {

@@ -45,6 +45,9 @@ struct SensorConfig {
     return range.min_counts + 0.01 * high_percent * range.span_counts();
   }
 
+  /// Each seed draws another glove.
+  bool is_drawn() const;
+
   void Visit(controller::SettingsVisitor& visitor);
 };
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sim/answers/compare/comparison_verdict.h"
+#include "sim/score/delay.h"
 #include "sim/score/statistics/result_cells.h"
 #include "sim/show/pages/controller_rows.h"
 #include "sim/show/pages/error_split_table.h"
@@ -177,7 +178,9 @@ std::vector<std::string> MissingSeeds(const StudyResult& result, const Summary& 
 }
 
 /// Why there is no interval, star or flag.
-std::string ReasonForNoChance(const StudyResult& result, const RecordingBlocks& blocks) {
+std::string ReasonForNoChance(const FinishedStudy& finished) {
+  const StudyResult& result = finished.result;
+  const RecordingBlocks& blocks = finished.summary.blocks;
   if (blocks.is_wanted) {
     return fmt::format(
         "The recording is too short: it gives confidence intervals from {:.0f} s on, and {:.1f} s "
@@ -188,6 +191,12 @@ std::string ReasonForNoChance(const StudyResult& result, const RecordingBlocks& 
   if (result.seeds_alike) {
     return "The input is fixed, so one run was made. Add recordings (files:) for confidence "
            "intervals.";
+  }
+  if (const std::string name = FittedToOneGlove(finished.study); !name.empty()) {
+    return fmt::format(
+        "{} is calibrated to the glove of this seed, and other seeds are other "
+        "gloves, so more seeds give no confidence interval.",
+        name);
   }
   return "For a recommendation, run several seeds (gauntlet compare).";
 }
@@ -357,8 +366,16 @@ std::string WhatVaries(const StudyResult& result) {
   return fmt::format("{}, {} to {} noises each", moved, fewest, most);
 }
 
-std::string Measured(const Study& study) {
-  return fmt::format("{} of {} joints", study.measured_joint_names.size(), study.joint_count);
+std::string Measured(const Study& study, const StudyResult& result) {
+  const Signal& reference_rad = result.first_reference_rad;
+  const auto rests = [&](int joint) {
+    const auto angle_rad = reference_rad.col(joint).array();
+    return std::sqrt((angle_rad - angle_rad.mean()).square().mean()) < kStillRms_rad;
+  };
+  const auto at_rest =
+      reference_rad.rows() == 0 ? 0 : std::ranges::count_if(study.measured_joints, rests);
+  return fmt::format("{} of {} joints{}", study.measured_joint_names.size(), study.joint_count,
+                     at_rest == 0 ? "" : fmt::format(", {} of them at rest", at_rest));
 }
 
 void AddAnswerNotes(const FinishedStudy& finished, ResultText& text) {
@@ -401,11 +418,11 @@ ResultText ScoreText(const FinishedStudy& finished, bool verbose) {
                                 : fmt::format("seeds {} to {}: {}", result.seeds.front().seed,
                                               result.seeds.back().seed, WhatVaries(result));
   ResultText text = {fmt::format("{}: {}\n{}, {}; {}; reference: {}", scenario.name,
-                                 scenario.question, DurationText(result), Measured(finished.study),
-                                 seeds, result.reference_name)};
+                                 scenario.question, DurationText(result),
+                                 Measured(finished.study, result), seeds, result.reference_name)};
   text.emplace_back(std::string());
   for (const std::string& sentence : VerdictOf(summary).Answer()) AddLine(sentence, text);
-  if (summary.one_run) AddLine(ReasonForNoChance(result, summary.blocks), text);
+  if (summary.one_run) AddLine(ReasonForNoChance(finished), text);
   for (const std::string& failure : Failures(summary, result.seeds.size())) AddLine(failure, text);
   std::ranges::move(AnswerText(finished), std::back_inserter(text));
   AddAnswerNotes(finished, text);

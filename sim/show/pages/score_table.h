@@ -8,8 +8,8 @@
 
 namespace gauntlet::sim {
 
-/// "5 of 18 joints measured".
-std::string Measured(const Study& study);
+/// "18 of 18 joints, 12 of them at rest": with scores, of the hand, and with a reference at rest.
+std::string Measured(const Study& study, const StudyResult& result);
 
 /// How long the trials are: "10.8 s", "3.1 to 5.4 s".
 std::string DurationText(const StudyResult& result);
