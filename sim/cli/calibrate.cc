@@ -40,6 +40,7 @@ Option OfPredictor(const char* name, Variable variable, Range range, const char*
 struct CalibrateOptions {
   static constexpr auto kName = "calibrate";
   static constexpr auto kPurpose = "Calibrate a glove from a recording";
+  static constexpr auto kGroup = Group::kMeasure;
   std::string recording;
   std::string out;  // empty: out/<recording>.calibration.yaml
   std::string curve = "table";

@@ -87,8 +87,27 @@ void AddOption(const Option& option, CLI::App& command) {
   for (const std::string& other : rules.excludes) added->excludes(command.get_option(other));
 }
 
+std::string HeadingOf(Group group) {
+  switch (group) {
+    case Group::kEveryday:
+      return "Everyday";
+    case Group::kMeasure:
+      return "Measure a glove or a hand";
+    case Group::kStudy:
+      return "Studies";
+    case Group::kOther:
+      break;
+  }
+  return "Other";
+}
+
+/// Line of the short help.
+constexpr auto kMore =
+    "\nOther commands: gauntlet help --all. One command: gauntlet help COMMAND.\n";
+
 void AddCommand(const Command& command, CLI::App& app) {
   CLI::App* added = app.add_subcommand(command.name, command.purpose)->footer(command.notes);
+  added->group(HeadingOf(command.group));
   for (const Option& option : command.options) AddOption(option, *added);
 }
 
@@ -146,11 +165,9 @@ std::string ExplainUsage(const std::vector<Command>& commands,
                          const std::vector<std::string>& arguments, const CLI::ParseError& error) {
   const auto word = std::ranges::find_if_not(arguments, IsOption);
   if (word == arguments.end()) {
-    const Command program = {"gauntlet", "", {Option("--version", {}, {}, "")}, {}, ""};
-    if (!arguments.empty()) {
-      return UnknownOption(commands, program, arguments).value_or(ReasonOf(error));
-    }
-    return "a command is missing" + Suggestion("", AllNames(commands)) + "; see gauntlet --help";
+    const Options options = {Option("--version", {}, {}, ""), Option("--all", {}, {}, "")};
+    const Command program = {"gauntlet", "", options, {}, ""};
+    return UnknownOption(commands, program, arguments).value_or(ReasonOf(error));
   }
   const Command* command = FindNamed(commands, *word);
   if (command == nullptr) {
@@ -222,9 +239,10 @@ std::string HelpIn80Columns(const std::string& help) {
   std::vector<std::string_view> lines = SplitLines(help);
   std::string out;
   for (std::string line; NextPart(lines, kWidth, line);) {
-    const bool has_columns = line.starts_with("  -") || line.starts_with("   ") ||
-                             (line.starts_with("  ") && line.find("  ", 2) != std::string::npos);
-    if (Width(line) > kWidth && has_columns && line.size() > kDescription) {
+    if (line.empty() && out.ends_with("\n\n")) continue;
+    const bool has_columns = line.size() > kDescription &&
+                             (line.starts_with("  -") || line.substr(kDescription - 2, 2) == "  ");
+    if (Width(line) > kWidth && has_columns) {
       const std::string gap(kDescription, ' ');
       std::string text = Wrapped(line.substr(kDescription), kWidth - kDescription);
       for (std::size_t at = text.find('\n'); at != std::string::npos;
@@ -268,18 +286,38 @@ Options::Options(std::initializer_list<Options> parts) {
 const Command* ReadCommandLine(const Command& program, const std::vector<Command>& commands,
                                int argc, char** argv) {
   const std::string called = argc > 0 ? argv[0] : "";
-  const std::vector<std::string> arguments = WithoutWordsForOptions({argv + 1, argv + argc});
+  const std::vector<std::string> arguments =
+      WithoutWordsForOptions({argv + std::min(argc, 1), argv + argc});
   CLI::App app{program.purpose, program.name};
+  bool all = false;
+  app.add_flag("--all", all, "list all commands")->needs(app.get_help_ptr());
   app.set_version_flag("--version", "gauntlet " GAUNTLET_VERSION);
   app.require_subcommand(1);
-  app.footer(program.notes);
+  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   for (const Command& command : commands) AddCommand(command, app);
-  try {
-    app.parse(std::vector(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the end
-  } catch (const CLI::Success& request) {                          // --help, --version
+  const auto print = [&](const CLI::Success& request) {
+    app.footer(all ? program.notes : kMore + program.notes);
+    for (const Command& command : commands) {
+      // CLI11 leaves out those of a group without a heading.
+      if (!all && command.group == Group::kOther) app.get_subcommand(command.name)->group("");
+    }
     std::ostringstream text;
     app.exit(request, text, text);
     PrintText(HelpIn80Columns(AsCalled(text.str(), called)));
+  };
+  try {
+    if (arguments.empty()) {
+      print(CLI::CallForHelp());
+      FlushOutput();
+      throw UserError("a command is missing");
+    }
+    app.parse(std::vector(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the end
+  } catch (const CLI::Success& request) {                          // --help, --version
+    if (app.get_subcommands().empty() && app.remaining_size() > 0) {
+      const CLI::ExtrasError unknown(app.remaining());
+      throw UserError(AsCalled(ExplainUsage(commands, arguments, unknown), called));
+    }
+    print(request);
     return nullptr;
   } catch (const CLI::ParseError& error) {
     throw UserError(AsCalled(ExplainUsage(commands, arguments, error), called));

@@ -92,6 +92,9 @@ struct Options : std::vector<Option> {
   Options(std::initializer_list<Options> parts);
 };
 
+/// Parts of the list of commands in --help, in their order. The last is left to `help --all`.
+enum class Group { kEveryday, kMeasure, kStudy, kOther };
+
 /// A command of the program. Parser, --help, pages of man, completion and suggestions follow from
 /// this description.
 struct Command {
@@ -100,14 +103,16 @@ struct Command {
   Options options;
   std::function<void()> run;  // owns the variables of the options
   std::string notes;          // below the options: explanations, examples
+  Group group = Group::kOther;
 };
 
-/// The command of a Config: `kName`, `kPurpose` and `kNotes`, the variables of its options, and
-/// `Rows()`, which describes these.
+/// The command of a Config: `kName`, `kPurpose`, `kGroup` and `kNotes`, the variables of its
+/// options, and `Rows()`, which describes these.
 template <class Config>
 Command MakeCommand(void (*run)(const Config&)) {
   const auto config = std::make_shared<Config>();
-  return {Config::kName, Config::kPurpose, config->Rows(), [=] { run(*config); }, Config::kNotes};
+  return {Config::kName,         Config::kPurpose, config->Rows(),
+          [=] { run(*config); }, Config::kNotes,   Config::kGroup};
 }
 
 /// Thrown by a command that is done, for an answer that is an exit code.
@@ -130,7 +135,8 @@ std::vector<std::string> AllNames(const auto& rows) {
 
 /// Reads a command line into the variables of a command's options and returns the command; nullptr
 /// after it has printed the text of --help or --version. Errors: UserError with the argument, the
-/// problem and what was probably meant; those of the options' checks.
+/// problem and what was probably meant, without a command below the text of --help; those of the
+/// options' checks.
 const Command* ReadCommandLine(const Command& program, const std::vector<Command>& commands,
                                int argc, char** argv);
 

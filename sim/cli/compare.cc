@@ -7,6 +7,7 @@ namespace {
 struct CompareCommand : StudyCommand {
   static constexpr auto kName = "compare";
   static constexpr auto kPurpose = "Compare all controllers and recommend one";
+  static constexpr auto kGroup = Group::kEveryday;
   CompareCommand() {
     seeds = 0;
     comparison = true;

@@ -166,7 +166,11 @@ Candidates For(const std::vector<Command>& commands, const std::vector<std::stri
     for (const char* option : {"--help", "--version"}) candidates.push_back({.word = option});
     return candidates;
   }
-  if (words[0] == "help") return Named(commands, &Command::purpose);
+  if (words[0] == "help") {
+    Candidates candidates = Named(commands, &Command::purpose);
+    candidates.push_back({.word = "--all", .meaning = "List all commands"});
+    return candidates;
+  }
   const Command* command = FindNamed(commands, words[0]);
   if (command == nullptr) return {};
   const std::string& previous = words[words.size() - 2];

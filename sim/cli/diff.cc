@@ -14,6 +14,7 @@ namespace {
 struct DiffOptions {
   static constexpr auto kName = "diff";
   static constexpr auto kPurpose = "Compare settings and scores of two output folders";
+  static constexpr auto kGroup = Group::kStudy;
   std::string a;
   std::string b;
   bool all = false;

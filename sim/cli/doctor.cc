@@ -38,6 +38,7 @@ namespace fs = std::filesystem;
 struct DoctorOptions {
   static constexpr auto kName = "doctor";
   static constexpr auto kPurpose = "Check this machine (for bug reports)";
+  static constexpr auto kGroup = Group::kOther;
 
   // NOLINTNEXTLINE(readability-convert-member-functions-to-static): as all commands have it
   Options Rows() { return std::initializer_list<Options>{}; }

@@ -33,6 +33,7 @@ namespace {
 struct ExportOptions {
   static constexpr auto kName = "export";
   static constexpr auto kPurpose = "Write a controller's settings for the robot";
+  static constexpr auto kGroup = Group::kEveryday;
   std::string folder;
   std::string controller;
   std::string out;  // empty: NAME.robot.yaml (or another ending) in the folder

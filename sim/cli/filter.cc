@@ -37,6 +37,7 @@ namespace {
 struct FilterOptions {
   static constexpr auto kName = "filter";
   static constexpr auto kPurpose = "Filter a CSV stream line by line";
+  static constexpr auto kGroup = Group::kOther;
   std::string kind;
   std::vector<std::string> settings;
   std::vector<std::string> columns;  // to filter; empty: all but the time

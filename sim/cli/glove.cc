@@ -22,6 +22,7 @@ namespace {
 struct GloveCommand {
   static constexpr auto kName = "glove";
   static constexpr auto kPurpose = "Send a scenario's glove in real time, as a device";
+  static constexpr auto kGroup = Group::kOther;
   std::string scenario_file;
   std::string to;
   std::string format;

@@ -24,7 +24,8 @@ namespace {
 
 struct IdentifyOptions {
   static constexpr auto kName = "identify";
-  static constexpr auto kPurpose = "Delay, lag and hysteresis of a hand from a log";
+  static constexpr auto kPurpose = "Measure a hand's delay, lag and hysteresis";
+  static constexpr auto kGroup = Group::kMeasure;
   std::string log;
   std::string array;       // of a file with several
   std::string map;         // column map

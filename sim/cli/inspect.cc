@@ -30,6 +30,7 @@ namespace {
 struct InspectOptions {
   static constexpr auto kName = "inspect";
   static constexpr auto kPurpose = "Detect a file's format; write its map and scenario";
+  static constexpr auto kGroup = Group::kEveryday;
   std::string file;
   std::string map;
   std::string scenario;

@@ -39,6 +39,7 @@ const std::vector<Topic>& Topics();
 struct ListOptions {
   static constexpr auto kName = "list";
   static constexpr auto kPurpose = "List filters, metrics, keys, scenarios and more";
+  static constexpr auto kGroup = Group::kOther;
   std::string what;  // empty: the lists themselves
   bool json = false;
 

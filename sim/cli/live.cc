@@ -45,6 +45,7 @@ std::string ProblemOfIpv4(std::string& address) {
 struct LiveCommand {
   static constexpr auto kName = "live";
   static constexpr auto kPurpose = "Run a controller live, from a glove to motors";
+  static constexpr auto kGroup = Group::kEveryday;
   std::string scenario_file;
   std::string controller;
   std::string glove{kSimulated};

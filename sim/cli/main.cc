@@ -1,5 +1,6 @@
 #include <malloc.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <new>
 #include <string>
@@ -44,12 +45,13 @@ Exit codes: 0 done, 1 failed or a difference found, 2 wrong input.)";
 
 std::vector<sim::Command> Commands() {
   std::vector<sim::Command> commands = {
-      sim::MakeRunCommand(),    sim::MakeCompareCommand(), sim::MakeSweepCommand(),
-      sim::MakeTuneCommand(),   sim::MakeRobustCommand(),  sim::MakeRenderCommand(),
-      sim::MakeExportCommand(), sim::MakeDiffCommand(),    sim::MakeInspectCommand(),
-      sim::MakeFilterCommand(), sim::MakeListCommand(),    sim::MakeReportCommand(),
+      sim::MakeInspectCommand(), sim::MakeCompareCommand(), sim::MakeTuneCommand(),
+      sim::MakeRenderCommand(),  sim::MakeExportCommand(),  sim::MakeSweepCommand(),
+      sim::MakeRobustCommand(),  sim::MakeRunCommand(),     sim::MakeReportCommand(),
+      sim::MakeDiffCommand(),    sim::MakeFilterCommand(),  sim::MakeListCommand(),
       sim::MakeDoctorCommand()};
   for (sim::Command& command : sim::OtherCommands()) commands.push_back(std::move(command));
+  std::ranges::stable_sort(commands, {}, &sim::Command::group);
   for (sim::Command& command : commands) {
     command.options.push_back(sim::Option(
         "--inside", sim::ReadOnlyInside, {.value = "DIR", .offer = sim::Offer::kFolders},

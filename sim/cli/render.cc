@@ -28,6 +28,7 @@ constexpr Range kMomentRange = {0.0, 1e6};  // of a recording [s]
 struct RenderChoices {
   static constexpr auto kName = "render";
   static constexpr auto kPurpose = "Draw the comparison video of a run or comparison";
+  static constexpr auto kGroup = Group::kEveryday;
   std::string folder;
   std::string out;
   std::vector<std::string> controllers;

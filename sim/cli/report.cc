@@ -20,6 +20,7 @@ namespace {
 struct ReportOptions {
   static constexpr auto kName = "report";
   static constexpr auto kPurpose = "Write one page of several output folders";
+  static constexpr auto kGroup = Group::kStudy;
   std::vector<std::string> folders;
   std::string out = "folders.html";
 

@@ -19,6 +19,7 @@ namespace {
 struct ReproduceOptions {
   static constexpr auto kName = "reproduce";
   static constexpr auto kPurpose = "Repeat the paper's experiments, test its claims";
+  static constexpr auto kGroup = Group::kStudy;
   std::string out = "out/paper";
   bool quick = false;
   int jobs = 0;

@@ -24,6 +24,7 @@ constexpr auto kKeypoints = "keypoints";
 struct RetargetOptions {
   static constexpr auto kName = "retarget";
   static constexpr auto kPurpose = "Move a recording to another hand, by fingertips";
+  static constexpr auto kGroup = Group::kMeasure;
   std::string recording;
   std::string from;
   std::string hand;

@@ -15,7 +15,8 @@ namespace {
 
 struct RobustCommand {
   static constexpr auto kName = "robust";
-  static constexpr auto kPurpose = "Robustness of the verdict to hand, link and glove";
+  static constexpr auto kPurpose = "Test the verdict on other hands, links and gloves";
+  static constexpr auto kGroup = Group::kStudy;
   std::string scenario;
   CellsCommand cells;
   std::vector<std::string> set;

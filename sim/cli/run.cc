@@ -9,6 +9,7 @@ namespace {
 struct RunCommand : StudyCommand {
   static constexpr auto kName = "run";
   static constexpr auto kPurpose = "Run every controller of a scenario once";
+  static constexpr auto kGroup = Group::kStudy;
   int seed = -1;  // -1: the scenario's
 
   Options Rows() {

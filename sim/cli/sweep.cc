@@ -25,6 +25,7 @@ namespace {
 struct SweepCommand {
   static constexpr auto kName = "sweep";
   static constexpr auto kPurpose = "Run a study file: many settings of a scenario";
+  static constexpr auto kGroup = Group::kStudy;
   std::string file;
   CellsCommand cells;
   std::vector<std::string> set;
@@ -66,7 +67,8 @@ struct SweepCommand {
   static constexpr auto kNotes = R"(
 Examples:
   gauntlet sweep studies/kalman_q.yaml
-  gauntlet sweep studies/kalman_q.yaml --shard 1/2   # on one machine, 2/2 on another, then
+  gauntlet sweep studies/kalman_q.yaml --shard 1/2   # on one machine
+  gauntlet sweep studies/kalman_q.yaml --shard 2/2   # on another; then
   gauntlet sweep studies/kalman_q.yaml --collect out/kalman_q.shard-*
   gauntlet sweep studies/kalman_q.yaml --slurm --sbatch=--time=1:00:00
 )";

@@ -27,6 +27,7 @@ namespace {
 struct TuneCommand {
   static constexpr auto kName = "tune";
   static constexpr auto kPurpose = "Find the best settings, or the best kind of filter";
+  static constexpr auto kGroup = Group::kEveryday;
   TuneRequest request;
   std::string scenario;
   std::vector<std::string> set;
@@ -70,10 +71,10 @@ struct TuneCommand {
 
   static constexpr auto kNotes = R"(
 Examples:
-  gauntlet tune scenarios/random_motion.yaml --controller tuned_kalman \
-    --free filter.q=1e-6:10:log --minimise delay_ms --subject-to "jitter_rms_deg<=0.2"
-  gauntlet tune scenarios/random_motion.yaml --all --minimise delay_ms \
-    --subject-to "jitter_rms_deg<=0.2" --filter-only   # which filter should I use?
+  gauntlet tune random_motion --all --minimise delay_ms \
+    --subject-to "jitter_rms_deg<=0.2" --filter-only   # the best kind of filter
+  gauntlet tune random_motion --controller tuned_kalman --minimise delay_ms \
+    --free filter.q=1e-6:10:log --subject-to "jitter_rms_deg<=0.2"
 )";
 };
 

@@ -17,6 +17,7 @@ namespace {
 struct ValidateOptions {
   static constexpr auto kName = "validate";
   static constexpr auto kPurpose = "Compare the simulated hand with a real log";
+  static constexpr auto kGroup = Group::kMeasure;
   std::string log;
   std::string array;
   std::string map;

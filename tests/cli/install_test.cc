@@ -34,19 +34,14 @@ std::vector<std::string> Lines(const std::string& text) {
   return lines;
 }
 
-/// The commands that --help names.
+/// The commands that `help --all` lists, and no other indented lines of it.
 std::vector<std::string> Commands() {
-  const std::string help = RunProgram({GAUNTLET_PROGRAM, "--help"}).standard_output;
+  const std::string help = RunProgram({GAUNTLET_PROGRAM, "help", "--all"}).standard_output;
+  static const std::regex kCommand("  ([a-z]+)  +[A-Z].*");
   std::vector<std::string> commands;
-  bool inside = false;
   for (const std::string& line : Lines(help)) {
-    if (line == "Subcommands:") {
-      inside = true;
-    } else if (inside && line.starts_with("  ")) {
-      commands.push_back(line.substr(2, line.find(' ', 2) - 2));
-    } else {
-      inside = false;
-    }
+    std::smatch found;
+    if (std::regex_match(line, found, kCommand)) commands.push_back(found.str(1));
   }
   return commands;
 }
@@ -195,6 +190,7 @@ TEST_F(InstalledTest, CompletesWhatTheProgramKnows) {
   EXPECT_THAT(Completions("gauntlet render out --channel index_m"), ElementsAre("index_mcp"));
   EXPECT_THAT(Completions("gauntlet render out --quality b"), ElementsAre("best"));
   EXPECT_THAT(Completions("gauntlet help ide"), ElementsAre("identify"));
+  EXPECT_THAT(Completions("gauntlet help -"), ElementsAre("--all"));
   EXPECT_THAT(Completions("gauntlet nosuch --x"), ElementsAre(""));
 }
 

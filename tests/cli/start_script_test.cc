@@ -172,6 +172,8 @@ TEST_F(StartScript, BuildsWhatACommandNeeds) {
   EXPECT_TRUE(fs::exists(folder / "gauntlet_studies"));
   EXPECT_FALSE(fs::exists(folder / "gauntlet"));
   const std::string script = (root_ / "gauntlet").string();
+  EXPECT_EQ(RunProgram({script, "help", "run"}).standard_output, "toy help run\n");
+  EXPECT_FALSE(fs::exists(folder / "gauntlet"));
   EXPECT_EQ(RunProgram({script, "live"}).standard_output, "toy live\n");
   EXPECT_TRUE(fs::exists(folder / "gauntlet"));
 
@@ -184,6 +186,19 @@ TEST_F(StartScript, BuildsWhatACommandNeeds) {
   const ProgramResult mistaken = RunProgram({script, "build", "lvie"});
   EXPECT_EQ(mistaken.exit_code, 2);
   EXPECT_EQ(mistaken.standard_error, "gauntlet: build takes no 'lvie'\n");
+}
+
+TEST_F(StartScript, AddsItsOwnCommandsToTheHelpOfTheProgram) {
+  const std::string script = (root_ / "gauntlet").string();
+  for (const std::string words : {"help", "--help", "-h", "help --all", "--help --all"}) {
+    const ProgramResult result = RunProgram({"/bin/bash", "-c", "\"$0\" " + words, script});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_EQ(result.standard_output,
+              "toy " + words +
+                  "\nAlso: ./gauntlet build builds all that is not built yet; "
+                  "./gauntlet test runs all tests.\n");
+  }
+  EXPECT_EQ(RunProgram({script, "run", "--help"}).standard_output, "toy run --help\n");
 }
 
 TEST_F(StartScript, KnowsTheCommandsOfTheProgramOfStudies) {
