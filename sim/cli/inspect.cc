@@ -43,7 +43,7 @@ struct InspectOptions {
 
   Options Rows() {
     return {
-        Option("file", &file, {.required = true}, "the recording; or a hand as MJCF (.xml)"),
+        Argument("file", &file, Offer::kFiles, "the recording; or a hand as MJCF (.xml)"),
         Option("--write-map", &map, {.value = "MAP.csv"},
                "write a column map, to be checked [beside the scenario]"),
         Option("--write-scenario", &scenario, {.value = "FILE.yaml", .offer = Offer::kFiles},

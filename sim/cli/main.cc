@@ -43,6 +43,16 @@ Example:
 
 Exit codes: 0 done, 1 failed or a difference found, 2 wrong input.)";
 
+/// Files of other people, which may name further ones.
+bool ReadsFiles(const sim::Command& command) {
+  using enum sim::Offer;
+  return std::ranges::any_of(command.options, [](const sim::Option& option) {
+    const sim::Offer offer = option.rules.offer;
+    return option.is_argument() &&
+           (offer == kFiles || offer == kFolders || offer == kScenarios || offer == kStudies);
+  });
+}
+
 std::vector<sim::Command> Commands() {
   std::vector<sim::Command> commands = {
       sim::MakeInspectCommand(), sim::MakeCompareCommand(), sim::MakeTuneCommand(),
@@ -53,9 +63,10 @@ std::vector<sim::Command> Commands() {
   for (sim::Command& command : sim::OtherCommands()) commands.push_back(std::move(command));
   std::ranges::stable_sort(commands, {}, &sim::Command::group);
   for (sim::Command& command : commands) {
+    if (!ReadsFiles(command)) continue;
     command.options.push_back(sim::Option(
         "--inside", sim::ReadOnlyInside, {.value = "DIR", .offer = sim::Offer::kFolders},
-        "read no file outside this folder, except Gauntlet's own (for scenarios of other people)"));
+        "read no file outside this folder, except Gauntlet's own (for files of other people)"));
   }
   return commands;
 }

@@ -62,10 +62,10 @@ Option ForceOption(bool& force) {
 
 Options ArrayOptions(std::string& array) {
   return {Option("--array", &array, {.value = "NAME"},
-                 "of a file with several arrays the one to take, or a group of them [those of the "
-                 "number of rows that holds the most values]"),
+                 "array, or group of arrays, of a file with several [arrays of equal length with "
+                 "the most values]"),
           Option("--topic", &array, {.value = "NAME", .excludes = {"--array"}},
-                 "of MCAP or a ROS 2 bag the topic to take [the only one with signals]")};
+                 "topic of MCAP or of a ROS 2 bag [the only one with signals]")};
 }
 
 }  // namespace gauntlet::sim

@@ -37,10 +37,6 @@ struct StudyCommand {
   Options Rows() {
     return {
         ScenarioArgument(scenario_file),
-        Option("--map", &map, {.value = "MAP.csv", .offer = Offer::kFiles},
-               "column map of a recording in place of a scenario, whose scenario is then written "
-               "as gauntlet inspect writes it"),
-        ArrayOptions(array),
         OutOption(out, "output folder [out/<scenario>]"),
         SetOption(overrides,
                   "change a value, as in --set controllers.tuned.filter.q=0.001; may be repeated"),
@@ -60,6 +56,10 @@ struct StudyCommand {
                "compute the causes of the error for these seeds, with five more trials for each "
                "controller and seed"),
         terminal.Rows(),
+        Option("--map", &map, {.value = "MAP.csv", .offer = Offer::kFiles},
+               "column map, with a recording in place of the scenario; its scenario is written as "
+               "gauntlet inspect does"),
+        ArrayOptions(array),
     };
   }
 };
