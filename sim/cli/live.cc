@@ -51,6 +51,8 @@ struct LiveCommand {
   std::string glove{kSimulated};
   std::string motors{kSimulated};
   std::string map;
+  double rate_hz = 0.0;  // of a file without a time; 0: not given
+  std::string array;     // of a file
   double seconds = 0.0;
   std::vector<std::string> shadows;
   std::string record;
@@ -97,6 +99,9 @@ struct LiveCommand {
         SetOption(overrides, "change a value of the scenario; may be repeated"),
         Option("--json", &json, {}, "print live.json instead of the report"),
         terminal.Rows(),
+        Option("--rate", &rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
+               "with file:PATH: rows per second [by its column of time]"),
+        ArrayOptions(array),
     };
   }
 
@@ -248,6 +253,11 @@ void RunLiveCommand(const LiveCommand& command) {
     throw UserError({.place = "--map " + command.map,
                      .problem = "needs a real glove: --glove udp:HOST:PORT or another"});
   }
+  const bool is_file = glove_address && glove_address->kind == DeviceKind::kFile;
+  if (!is_file && (command.rate_hz > 0.0 || !command.array.empty())) {
+    throw UserError({.place = command.array.empty() ? "--rate" : "--topic " + Shown(command.array),
+                     .problem = "needs a file as glove: --glove file:PATH"});
+  }
   const bool drives_motors = motors_address && motors_address->kind != DeviceKind::kNone;
   if (drives_motors) CheckMotors(command, scenario);
   const std::string out = command.out.empty() ? "out/" + scenario.name + "_live" : command.out;
@@ -266,7 +276,8 @@ void RunLiveCommand(const LiveCommand& command) {
   std::unique_ptr<FrameSource> glove;
   std::unique_ptr<FrameSink> motors;
   if (glove_address) {
-    glove = OpenFrameSource(*glove_address);
+    glove = OpenFrameSource(*glove_address,
+                            {.file_rate_hz = command.rate_hz, .file_array = command.array});
     setup.source = glove.get();
     setup.names_may_follow = glove_address->kind == DeviceKind::kUdp;
     UseRealLink(setup.trial.links.config);

@@ -78,16 +78,20 @@ std::span<const double> FrameChannels::Counts(const DeviceColumns& columns, doub
 void FrameChannels::TakeInOrder(const DeviceColumns& columns) {
   const std::vector<std::string>& names = config_.glove.channel_names;
   const std::vector<std::size_t> values = ValueColumns(columns);
+  std::vector<std::string> known;
+  for (const std::size_t column : values) {
+    if (column < columns.names.size() && !columns.names[column].empty()) {
+      known.push_back(columns.names[column]);
+    }
+  }
   const std::string of_names =
-      columns.names.empty()
-          ? ""
-          : fmt::format(" ({})", Shown(fmt::format("{}", fmt::join(columns.names, ", "))));
+      known.empty() ? "" : fmt::format(" ({})", Shown(fmt::format("{}", fmt::join(known, ", "))));
   if (values.size() != names.size()) {
-    Fail(
-        fmt::format("a frame has {} value{}{}, the glove has {} channels; --map FILE.csv names the "
-                    "channel of each column, and --set {} the channels of the glove",
-                    values.size(), values.size() == 1 ? "" : "s", of_names, names.size(),
-                    ShellWord("glove.channels=[..]")));
+    Fail(fmt::format(
+        "a frame has {} value{}{}, the glove has {} channel{}; --map FILE.csv names the "
+        "channel of each column, and --set {} the channels of the glove",
+        values.size(), values.size() == 1 ? "" : "s", of_names, names.size(),
+        names.size() == 1 ? "" : "s", ShellWord("glove.channels=[..]")));
   }
   std::vector<ChannelValues::Parts> channels;
   for (const std::size_t column : values) channels.push_back({{.column = column}});

@@ -15,6 +15,7 @@
 #include "sim/live/device/frame_decoder.h"
 #include "sim/recordings/table_source.h"
 #include "sim/recordings/time_guess.h"
+#include "sim/tables/recording_problem.h"
 #include "sim/tables/table_layout.h"
 #include "sim/tables/time_columns.h"
 
@@ -28,7 +29,11 @@ class RecordingSource : public FrameSource {
         options_(options),
         table_(FindTable(address.path, TableSource(address.path, options.file_array),
                          ProblemHandling::kRepair,
-                         [this](RecordingProblem, std::size_t) { ++counts_.garbage; })) {
+                         [this](RecordingProblem problem, std::size_t row) {
+                           if (!NeedsRepair(problem) || row == damaged_row_) return;
+                           damaged_row_ = row;
+                           ++counts_.garbage;
+                         })) {
     const TableLayout& layout = table_.layout;
     columns_.count = layout.columns;
     columns_.names = layout.names;
@@ -45,8 +50,9 @@ class RecordingSource : public FrameSource {
     values_.resize(layout.columns);
     const bool has_time = !columns_.time.empty();
     if (options.is_paced && !has_time && !(options.file_rate_hz > 0.0)) {
-      throw UserError({.place = address.path,
-                       .problem = "has no column of time: the rate of its rows must be given"});
+      throw UserError(
+          {.place = address.path,
+           .problem = "has no column of time (as time_s); --rate HZ gives the rows per second"});
     }
   }
 
@@ -114,6 +120,7 @@ class RecordingSource : public FrameSource {
   DeviceAddress address_;
   SourceOptions options_;
   SourceCounts counts_;
+  std::size_t damaged_row_ = 0;  // the last one, a line of the file
   FoundTable table_;
   DeviceColumns columns_;
   std::vector<double> values_;
