@@ -17,12 +17,10 @@ struct CompareCommand : StudyCommand {
   }
 
   Options Rows() {
-    return {
-        StudyCommand::Rows(),
+    return StudyCommand::Rows(
         Option("--seeds", &seeds, {.range = {1, 100'000}},
                "number of seeds; each draws a new glove and uses the next recording [8, or one for "
-               "each recording]"),
-    };
+               "each recording]"));
   }
 
   static constexpr auto kNotes = R"(
@@ -41,11 +39,9 @@ struct RunCommand : StudyCommand {
   int seed = -1;  // -1: the scenario's
 
   Options Rows() {
-    return {
-        StudyCommand::Rows(),
-        Option("--seed", &seed, {.range = {0, std::numeric_limits<int>::max()}},
-               "seed of all random numbers [as in the scenario]"),
-    };
+    return StudyCommand::Rows(Option("--seed", &seed,
+                                     {.range = {0, std::numeric_limits<int>::max()}},
+                                     "seed of all random numbers [as in the scenario]"));
   }
 
   static constexpr auto kNotes = R"(

@@ -34,9 +34,11 @@ struct StudyCommand {
   std::string causes = "first";
   TerminalOptions terminal;
 
-  Options Rows() {
+  /// `seeds_option`: --seeds or --seed.
+  Options Rows(const Option& seeds_option) {
     return {
         ScenarioArgument(scenario_file),
+        seeds_option,
         OutOption(out, "output folder [out/<scenario>]"),
         SetOption(overrides,
                   "change a value, as in --set controllers.tuned.filter.q=0.001; may be repeated"),
