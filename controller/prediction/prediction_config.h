@@ -7,7 +7,6 @@
 #include "controller/export.h"
 #include "controller/kinds.h"
 #include "controller/prediction/adaptive_prediction.h"
-#include "controller/prediction/autoregressive_prediction.h"
 #include "controller/prediction/double_exponential_prediction.h"
 #include "controller/prediction/fitted_prediction.h"
 #include "controller/prediction/fitted_to_others_prediction.h"
@@ -23,8 +22,7 @@ namespace gauntlet::controller {
 class GAUNTLET_API PredictionSettings
     : public std::variant<NoPredictionConfig, LinearPredictionConfig, KalmanPredictionConfig,
                           AdaptivePredictionConfig, DoubleExponentialPredictionConfig,
-                          FittedPredictionConfig, FittedToOthersPredictionConfig,
-                          AutoregressivePredictionConfig> {
+                          FittedPredictionConfig, FittedToOthersPredictionConfig> {
  public:
   using variant::variant;
   PredictionSettings();

@@ -47,8 +47,4 @@ GAUNTLET_API std::unique_ptr<Filter> MakePredictor(const FittedPredictionConfig&
 GAUNTLET_API std::unique_ptr<Filter> MakePredictor(const FittedToOthersPredictionConfig& config,
                                                    int channel_count, double rate_hz);
 
-/// Errors: SettingError.
-GAUNTLET_API std::unique_ptr<Filter> MakePredictor(const AutoregressivePredictionConfig& config,
-                                                   int channel_count, double rate_hz);
-
 }  // namespace gauntlet::controller

@@ -186,43 +186,5 @@ TEST(PredictionExactness, Adaptive) {
             1e-12);
 }
 
-/// The equations of its header with matrices. What it learns amplifies rounding: its P spans six
-/// decades.
-TEST(PredictionExactness, Autoregressive) {
-  using Vector = Eigen::Matrix<Real, 5, 1>;
-  using Matrix = Eigen::Matrix<Real, 5, 5>;
-  const Real radians = std::numbers::pi_v<Real> / 180;
-  const Real smooth = 1 - std::exp(Real{-1} / 10), forget = std::exp(Real{-1} / 2000);
-  const Real leash = 30 * radians;
-  const Real first_p = 1 / (25 * radians * radians);
-  Matrix p = Matrix::Identity() * first_p;
-  Vector w = Vector::Zero();
-  std::deque<Real> s;
-  const auto past = [&](std::size_t age) {
-    Vector differences;
-    for (std::size_t i = 0; i < 5; ++i) differences[i] = s[age] - s[age + 20 * (i + 1)];
-    return differences;
-  };
-  bool first = true;
-  EXPECT_LE(WorstError({AutoregressivePredictionConfig{.horizon_ms = {kHorizon}}},
-                       [&](double z) -> Real {
-                         if (first) {
-                           s.assign(kHorizon + 101, z);
-                           first = false;
-                           return z;
-                         }
-                         s.push_front(s.front() + smooth * (z - s.front()));
-                         s.pop_back();
-                         const Vector then = past(kHorizon);
-                         const Real off = std::clamp(z - s[kHorizon] - w.dot(then), -leash, leash);
-                         const Real f = p.trace() < 5 * first_p * forget ? forget : 1;
-                         const Vector gain = p * then / (f + then.dot(p * then));
-                         w += gain * off;
-                         p = (p - gain * (p * then).transpose()) / f;
-                         return s.front() + std::clamp(w.dot(past(0)), -leash, leash);
-                       }),
-            1e-9);
-}
-
 }  // namespace
 }  // namespace gauntlet::controller

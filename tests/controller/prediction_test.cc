@@ -69,10 +69,7 @@ std::vector<PredictionCase> PredictionCases() {
       {"double_exponential", {DoubleExponentialPredictionConfig{.horizon_ms = horizon_ms}}},
       {"fitted", {AlongALine()}},
       {"fitted_each", {each}},
-      {"fitted_means", {means}},
-      {"autoregressive", {AutoregressivePredictionConfig{.horizon_ms = horizon_ms}}},
-      {"autoregressive_each",
-       {AutoregressivePredictionConfig{.horizon_ms = horizons_ms, .order = 3}}}};
+      {"fitted_means", {means}}};
 }
 
 /// The same and slopes of all channels: predictions that look at other channels, too.
@@ -563,39 +560,14 @@ TEST(AdaptivePrediction, OvershootsByNoMoreThanATenthOfTheMovement) {
   EXPECT_LE(highest, 66.0);
 }
 
-TEST(AutoregressivePrediction, LearnsASine) {
-  const PredictionConfig config = {
-      AutoregressivePredictionConfig{.horizon_ms = {kFar}, .leash_deg = 90.0}};
-  for (const double frequency_hz : {0.5, 1.0, 3.0}) {
-    EXPECT_LT(RmsError(config, Sine(frequency_hz), 0.3, kFar),
-              0.1 * RmsError(kNone, Sine(frequency_hz), 0.3, kFar))
-        << frequency_hz;
-  }
-}
-
-TEST(AutoregressivePrediction, StaysWithinItsLeash) {
-  const PredictionConfig config = {
-      AutoregressivePredictionConfig{.horizon_ms = {kFar}, .smoothing_ms = 0.1, .leash_deg = 2.0}};
-  const auto predictor = MakePredictor(config, 1, kRateHz);
-  double farthest = 0.0;
-  for (int k = 0; k < 4000; ++k) {
-    const double input = Sine(2.0)(k) * kPi / 180.0;
-    double output = 0.0;
-    predictor->Step({&input, 1}, {&output, 1});
-    farthest = std::max(farthest, std::abs(output - input) * 180.0 / kPi);
-  }
-  EXPECT_NEAR(farthest, 2.0, 0.01);
-}
-
 TEST(Predictor, RefusesAWindowWithoutASlope) {
   EXPECT_THROW(MakePredictor(LinearPredictionConfig{.window_ms = 20.0}, 1, 50.0), SettingError);
 }
 
 TEST(Predictor, RefusesListsThatDoNotFit) {
-  const auto complaint = [](const PredictionConfig& config,
-                            double rate_hz = kRateHz) -> std::string {
+  const auto complaint = [](const PredictionConfig& config) -> std::string {
     try {
-      MakePredictor(config, 5, rate_hz);
+      MakePredictor(config, 5, kRateHz);
       return "";
     } catch (const SettingError& error) {
       return error.what();
@@ -635,8 +607,6 @@ TEST(Predictor, RefusesListsThatDoNotFit) {
             "calibrate --predictor fit them");
   EXPECT_EQ(complaint({FittedPredictionConfig{.order = 1, .tap_ms = 2.5, .weights = {1.0}}}),
             "tap_ms: is 2.5, must be a multiple of the step of the filter, 1 ms");
-  EXPECT_EQ(complaint({AutoregressivePredictionConfig{.tap_ms = 5.0}}, 50.0),
-            "tap_ms: is 5, must be at least a step of the filter, 20 ms");
   EXPECT_THAT(complaint({AdaptivePredictionConfig{.horizon_ms = {-1.0}}}),
               testing::HasSubstr("horizon_ms"));
   EXPECT_THAT(complaint({AdaptivePredictionConfig{.horizon_ms = {1001.0}}}),
@@ -650,9 +620,9 @@ TEST(PredictionKinds, ExplainThemselves) {
     EXPECT_EQ(kind.defaults.kind(), kind.name);
     names.push_back(kind.name);
   }
-  EXPECT_EQ(names, (std::vector<std::string_view>{"none", "linear", "kalman", "adaptive",
-                                                  "double_exponential", "fitted",
-                                                  "fitted_to_others", "autoregressive"}));
+  EXPECT_EQ(names,
+            (std::vector<std::string_view>{"none", "linear", "kalman", "adaptive",
+                                           "double_exponential", "fitted", "fitted_to_others"}));
 }
 
 }  // namespace

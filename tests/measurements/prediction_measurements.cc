@@ -233,8 +233,6 @@ std::vector<Row> RowsOf(const Study& study, const IdentifiedChain& chain) {
        with(controller::KalmanPredictionConfig{
            .horizon_ms = adaptive.horizon_ms, .q_deg2_per_s3 = 1e5, .r_deg2 = adaptive.r_deg2}),
        AsItIs},
-      {"autoregressive",
-       with(controller::AutoregressivePredictionConfig{.horizon_ms = adaptive.horizon_ms}), AsItIs},
       {kOptimum, fitted(false), AsItIs},
       {"fitted to all channels", fitted(true), AsItIs},
       {"fitted, a channel dead", fitted(false), WithDeadChannel},
