@@ -49,12 +49,6 @@ void PullCable(const Cord& cord, double bend_rad, double stretch_m, double step_
   state.log_ratio = far > 0.0 ? std::log(far / at_drum) : 0.0;
 }
 
-void WearCable(const CableWear& wear, double time_s, double step_s, double travel_m,
-               CableState& state) noexcept {
-  state.worn_m += wear.longer_m_per_s * step_s + wear.longer_per_travel * std::abs(travel_m);
-  if (time_s >= wear.snaps_at_s) state.worn_m = std::numeric_limits<double>::infinity();
-}
-
 double CableEnergy(const Cord& cord, const CableState& state) noexcept {
   return 0.5 * cord.stiffness_n_m * state.stretch_m * state.stretch_m +
          state.difference_n * state.difference_n / (8.0 * cord.stiffness_n_m);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <span>
 
 namespace gauntlet::sim {
@@ -37,7 +36,6 @@ struct CableState {
   double log_ratio = 0.0;     // of the tensions at its far end and at its drum
   double tension_n = 0.0;     // at its drum
   double stretch_m = 0.0;     // none while it is slack
-  double worn_m = 0.0;        // by how much it has become longer; infinite once it has snapped
 };
 
 /// A cable over one time step: dry friction where it bends, as if all of it stood between the two
@@ -58,18 +56,6 @@ struct CableState {
 /// 4 d v to D, within the same bounds. No place pulls with more than 2 T.
 void PullCable(const Cord& cord, double bend_rad, double stretch_m, double step_s,
                std::span<CablePlace> places, CableState& state) noexcept;
-
-/// Effects of time and use on a cable.
-struct CableWear {
-  double longer_m_per_s = 0.0;
-  double longer_per_travel = 0.0;  // m per m that its drum winds, to and fro
-  double snaps_at_s = std::numeric_limits<double>::infinity();
-};
-
-/// A cable over one time step that begins at `time_s`, in which its drum winds `travel_m` of it.
-/// One that has snapped has no tension any more.
-void WearCable(const CableWear& wear, double time_s, double step_s, double travel_m,
-               CableState& state) noexcept;
 
 /// Energy that a cable can give back [J].
 double CableEnergy(const Cord& cord, const CableState& state) noexcept;

@@ -160,13 +160,6 @@ Cable MakeCable(const mjModel& model, const CableConfig& config, int tendon, dou
   return cable;
 }
 
-CableWear MakeWear(const WearConfig& config, std::size_t motor, const std::string& cable) {
-  CableWear wear{.longer_m_per_s = 1e-3 * OfMotor(config.slack_mm_per_hour, motor) / 3600.0,
-                 .longer_per_travel = 1e-6 * OfMotor(config.slack_mm_per_km, motor)};
-  if (config.snap.cable == cable) wear.snaps_at_s = config.snap.at_s;
-  return wear;
-}
-
 bool HasPart(const mjModel& model, int type, const std::string& name) {
   return mj_name2id(&model, type, name.c_str()) >= 0;
 }
@@ -409,7 +402,6 @@ void FindCables(const mjModel& model, const HandConfig& config,
     }
     for (Cable& cable : drive.cables) {
       paths.Trace(cable, meant);
-      cable.wear = MakeWear(config.wear, motor, cable.name);
       cable.pretension_n = cable.cord.stiffness_n_m * pretension_m;
       cable.natural_length_m += 1e-3 * OfMotor(config.cable.slack_mm, motor) - pretension_m;
     }

@@ -41,7 +41,6 @@ struct Cable {
   double sense = 1.0;  // 1: a flexor, wound up by a positive spool angle; -1: an extensor, paid out
   int tendon = 0;
   Cord cord;
-  CableWear wear;
   double pretension_n = 0.0;
   double natural_length_m = 0.0;  // beyond the drum, with the spool at 0
   double bend_rad = 0.0;          // the whole of it at the reference

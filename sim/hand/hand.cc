@@ -44,7 +44,6 @@ struct Hand::State {
   void LookAtDigits() noexcept;
   void LoadMotors() noexcept;
   void TurnSpools() noexcept;
-  void WearCables(double time_s) noexcept;
   CableWay Way(const Cable& cable, std::vector<double>& arm_m) const noexcept;
   double Bend(const Cable& cable) const noexcept;
   DrumMotion TurnDrum(const Drive& drive, const SpoolState& spool,
@@ -242,10 +241,7 @@ double Hand::State::PullCables(const Drive& drive, const SpoolState& spool,
   GAUNTLET_ASSERT(states.size() == drive.cables.size() && states.size() <= kMostCables);
   CableWay way_of_cable[kMostCables];
   const std::span<CableWay> ways(way_of_cable, states.size());
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    ways[i] = Way(drive.cables[i], arms[i]);
-    ways[i].excess_m -= states[i].worn_m;
-  }
+  for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = Way(drive.cables[i], arms[i]);
   const DrumMotion drum = TurnDrum(drive, spool, states, ways, drum_angle_rad);
   const double wound = drive.drum_radius_m * drum.angle_rad;
   const double wound_rate = drive.drum_radius_m * drum.speed_rad_s;
@@ -273,18 +269,6 @@ void Hand::State::TurnSpools() noexcept {
   }
 }
 
-/// `time_s` is when the step began.
-void Hand::State::WearCables(double time_s) noexcept {
-  CableState* state = cables.data();
-  for (std::size_t motor = 0; motor < spools.size(); ++motor) {
-    const Drive& drive = hand->drives()[motor];
-    const double travel_m = drive.drum_radius_m * spools[motor].speed_rad_s * physics.opt.timestep;
-    for (const Cable& cable : drive.cables) {
-      WearCable(cable.wear, time_s, physics.opt.timestep, travel_m, *state++);
-    }
-  }
-}
-
 /// `time_s` is when the step began: where the engine gives up, it sets its own clock to 0.
 void Hand::State::ReadWarnings(double time_s) {
   for (int kind = 0; kind < mjNWARNING; ++kind) {
@@ -305,7 +289,6 @@ void Hand::State::Advance() {
   for (int step = 0; step < hand->timing().steps_per_tick && health.ok; ++step) {
     const double time_s = data->time;
     mj_step1(&physics, data.get());
-    WearCables(time_s);
     LoadMotors();
     TurnSpools();
     mj_step2(&physics, data.get());

@@ -53,25 +53,6 @@ void AssemblyErrorConfig::Visit(SettingsVisitor& visitor) {
                  centre_deg);
 }
 
-void SnapConfig::Visit(SettingsVisitor& visitor) {
-  visitor.Text({"cable", "name of the cable that snaps; empty: none"}, cable);
-  visitor.Number({"at_s", "simulated time from which on it pulls no more", 0, 3600}, at_s);
-}
-
-void WearConfig::Visit(SettingsVisitor& visitor) {
-  visitor.Numbers({"slack_mm_per_hour",
-                   "cables become longer by this in an hour of simulated time: one for all motors, "
-                   "or one for each; first they lose their pretension",
-                   0, 36000},
-                  slack_mm_per_hour);
-  visitor.Numbers({"slack_mm_per_km",
-                   "and by this for each km that their drum winds, to and fro: one for all, or one "
-                   "for each",
-                   0, 100000},
-                  slack_mm_per_km);
-  controller::VisitGroup(visitor, {"snap", "a cable that snaps"}, snap);
-}
-
 void MotorConfig::Visit(SettingsVisitor& visitor) {
   visitor.Numbers(
       {"stall_torque_nm",
@@ -138,8 +119,6 @@ void HandConfig::Visit(SettingsVisitor& visitor) {
   controller::VisitGroup(
       visitor, {"assembly_error", "how far the built hand is off what the controller knows"},
       assembly_error);
-  controller::VisitGroup(visitor, {"wear", "what time and use do to cables that are new at first"},
-                         wear);
   controller::VisitGroup(visitor, {"joint_sensors", "what measures the hand's joints"},
                          joint_sensors);
   static constexpr std::array<std::string_view, 3> kContacts = {"none", "hand", "object"};

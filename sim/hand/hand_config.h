@@ -36,24 +36,6 @@ struct AssemblyErrorConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// A cable that snaps, and never pulls again.
-struct SnapConfig {
-  std::string cable;  // its name; empty: none snaps
-  double at_s = 0.0;  // of simulated time
-
-  void Visit(controller::SettingsVisitor& visitor);
-};
-
-/// Effects of time and use on all cables during a trial, each of which begins with new ones. A
-/// cable that becomes longer first loses its pretension, then it is slack.
-struct WearConfig {
-  std::vector<double> slack_mm_per_hour = {0.0};  // for all motors, or for each
-  std::vector<double> slack_mm_per_km = {0.0};    // of what its drum winds, to and fro
-  SnapConfig snap;
-
-  void Visit(controller::SettingsVisitor& visitor);
-};
-
 /// Motor data that a model may lack: for all motors, or for each. Empty: as in the model.
 struct MotorConfig {
   std::vector<double> stall_torque_nm;
@@ -94,7 +76,6 @@ struct HandConfig {
   bool motor_limits = true;  // off: motors have any torque and speed, to see what the limits do
   CableConfig cable;
   AssemblyErrorConfig assembly_error;
-  WearConfig wear;
   JointSensorsConfig joint_sensors;
   Contact contact = Contact::kNone;
   ObjectConfig object;

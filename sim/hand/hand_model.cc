@@ -158,21 +158,11 @@ void CheckPretension(const Drive& drive, const CableConfig& config) {
   }
 }
 
-/// Throws if the cable that shall snap is none.
-void CheckSnap(const SnapConfig& snap, const std::vector<std::string>& cable_names) {
-  if (snap.cable.empty() || std::ranges::count(cable_names, snap.cable) > 0) return;
-  throw UserError({.key = "hand.wear.snap.cable",
-                   .problem = fmt::format("the hand has no cable '{}'{}", Shown(snap.cable),
-                                          Suggestion(snap.cable, cable_names))});
-}
-
 /// Errors: UserError if a setting has neither one value for all motors nor one for each.
 void CheckLists(const HandConfig& config, std::size_t motors) {
   const std::pair<const char*, const std::vector<double>&> lists[] = {
       {"hand.motor_friction_scale", config.motor_friction_scale},
-      {"hand.cable.slack_mm", config.cable.slack_mm},
-      {"hand.wear.slack_mm_per_hour", config.wear.slack_mm_per_hour},
-      {"hand.wear.slack_mm_per_km", config.wear.slack_mm_per_km}};
+      {"hand.cable.slack_mm", config.cable.slack_mm}};
   const std::pair<const char*, const std::vector<double>&> of_motors[] = {
       {"hand.motor.stall_torque_nm", config.motor.stall_torque_nm},
       {"hand.motor.rotor_inertia_kg_m2", config.motor.rotor_inertia_kg_m2},
@@ -194,14 +184,8 @@ void CheckLists(const HandConfig& config, std::size_t motors) {
 /// Errors: UserError for slack of cables where there is none, which would change nothing.
 void CheckThereAreCables(const HandConfig& config, const std::vector<Drive>& drives) {
   if (!std::ranges::all_of(drives, &Drive::has_shaft)) return;
-  const std::pair<const char*, const std::vector<double>&> lists[] = {
-      {"hand.cable.slack_mm", config.cable.slack_mm},
-      {"hand.wear.slack_mm_per_hour", config.wear.slack_mm_per_hour},
-      {"hand.wear.slack_mm_per_km", config.wear.slack_mm_per_km}};
-  for (const auto& [key, values] : lists) {
-    if (std::ranges::all_of(values, [](double value) { return value == 0.0; })) continue;
-    throw UserError({.key = key, .problem = "must be 0: the hand has no cables"});
-  }
+  if (std::ranges::all_of(config.cable.slack_mm, [](double value) { return value == 0.0; })) return;
+  throw UserError({.key = "hand.cable.slack_mm", .problem = "must be 0: the hand has no cables"});
 }
 
 /// Errors: UserError for a limit that the servo cannot have.
@@ -373,7 +357,6 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
       model_->tendon_damping[cable.tendon] = 0.0;
     }
   }
-  CheckSnap(config.wear.snap, cable_names_);
   InModelFile(path, [&] { physics_.emplace(*model_, drives_, engine_measures_cables_); });
   for (Drive& drive : drives_) {
     for (Cable& cable : drive.cables) NumberAsIn(*physics_, cable);

@@ -184,9 +184,9 @@ TEST(DirectDrive, SettingsReplaceTheNumbersOfTheModel) {
 
 TEST(DirectDrive, SlackOfCablesIsRefused) {
   HandConfig config = Spring();
-  config.wear.slack_mm_per_km = {2.0};
+  config.cable.slack_mm = {2.0};
   EXPECT_THAT(ProblemOf(Hinges(kDirect), config),
-              HasSubstr("hand.wear.slack_mm_per_km: must be 0: the hand has no cables"));
+              HasSubstr("hand.cable.slack_mm: must be 0: the hand has no cables"));
 }
 
 TEST(DirectDrive, WhatTheModelDoesNotSayIsAskedFor) {

@@ -61,8 +61,8 @@ TEST(HandSettings, ListsAreOfOneForAllMotorsOrOneForEach) {
               c.cable.slack_mm = {0.1, 0.2};
             }),
             "hand.cable.slack_mm: has 2 values, must have 1 for all motors or 18, one for each");
-  EXPECT_THAT(Refusal([](HandConfig& c) { c.wear.slack_mm_per_km = {}; }),
-              HasSubstr("hand.wear.slack_mm_per_km: has 0 values"));
+  EXPECT_THAT(Refusal([](HandConfig& c) { c.cable.slack_mm = {}; }),
+              HasSubstr("hand.cable.slack_mm: has 0 values"));
 }
 
 TEST(HandSettings, StepsAreShortenedUntilWholeOnesMakeUpATick) {

@@ -178,12 +178,6 @@ const std::vector<Step>& Walk() {
       {"hand.motor_friction_scale=100", kChanges},
       {"hand.motor_friction_scale=101", kRefused},
       {"hand.motor_friction_scale=[1, 1]", kRefused},
-      {"hand.wear.snap.at_s=0", kKeeps},  // no cable shall snap
-      {"hand.wear.snap.at_s=0.5", kChanges, {}, {"hand.wear.snap.cable=index_mcp_flexor"}},
-      {"hand.wear.snap.at_s=3600", kChanges, {}, {"hand.wear.snap.cable=index_mcp_flexor"}},
-      {"hand.wear.snap.at_s=3601", kRefused},
-      {"hand.wear.snap={cable: index_mcp_flexor, at_s: 3600}", kKeeps},
-      {"hand.wear.snap.cable=index", kRefused},
       // Joint sensors, and what uses them.
       {"hand.joint_sensors.kind=encoder", kKeeps},  // nobody does
       {kOf + "joint_loop.kind=pi", kRefused, "joint_loop.kind: pi needs a hand that measures"},
