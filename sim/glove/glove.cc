@@ -87,12 +87,7 @@ Signal Sense(const GloveConfig& config, const Motion& motion, const Signal& trem
   const std::vector<controller::ConverterRange> converters = config.converter.ranges();
   // A recorded glove has gone through its own sensors already.
   if (motion.measured_rad.size() > 0) {
-    Signal counts = SenseBendNominal(config.sensor, motion.measured_rad, converters);
-    if (!config.calibration.empty() && !config.noise.recording.empty()) {
-      throw controller::SettingError("noise.recording",
-                                     "must be empty: the recording is in counts of a glove, whose "
-                                     "noise is in it");
-    }
+    Signal counts = SenseBendNominal(motion.measured_rad, converters);
     PutOwnCounts(config, motion, counts);
     return counts;
   }
@@ -119,8 +114,7 @@ void Digitise(const GloveConfig& config, std::uint64_t seed, GloveSignal& glove)
                 glove.counts);
   };
   apply_faults(FaultStage::kSampling);
-  AddNoise(config.noise, config.sensor, config.converter, config.rate_hz, seed, glove.counts,
-           glove.remarks);
+  AddNoise(config.noise, config.converter, config.rate_hz, seed, glove.counts);
   apply_faults(FaultStage::kAnalog);
   ConvertAll(config.converter, glove.counts);
   apply_faults(FaultStage::kDigital);
@@ -213,9 +207,7 @@ void TakeCalibrationOfMap(GloveConfig& config) {
   } catch (const controller::SettingError&) {
     return;
   }
-  const auto own_counts = [&] {
-    return OwnCountsOf(map, NominalCountsOf(config.sensor, config.converter));
-  };
+  const auto own_counts = [&] { return OwnCountsOf(map, NominalCountsOf(config.converter)); };
   if (own_counts().empty()) return;
   TakeBitsOfMap(map, own_counts(), motion->map, config.converter);
   const auto rounded = [](double value) { return std::round(value * 1e9) / 1e9; };
@@ -244,7 +236,6 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
     return SynthesiseMotion(config.motion, {.rate_hz = timing.tick_rate_hz,
                                             .seed = seed,
                                             .start_rad = {},
-                                            .sensor = config.sensor,
                                             .converter = config.converter});
   });
   const auto ticks = static_cast<int>(motion.angle_rad.rows());
@@ -290,8 +281,7 @@ GloveConfig WithoutNoise(GloveConfig config) {
 }
 
 bool IsWithoutNoise(const GloveConfig& config) {
-  const bool recorded = !config.noise.recording.empty() && config.noise.recording_scale > 0.0;
-  return config.faults.empty() && !recorded && config.noise.walk_counts_per_sqrt_s == 0.0 &&
+  return config.faults.empty() && config.noise.walk_counts_per_sqrt_s == 0.0 &&
          std::ranges::all_of(NoiseVarianceCounts2(config), [](double v) { return v == 0.0; });
 }
 
@@ -323,8 +313,9 @@ controller::GloveCalibration NominalCalibration(const GloveConfig& config) {
     calibration.low_angle_rad.push_back(channel.min_deg * kRadPerDeg);
     calibration.high_angle_rad.push_back(channel.max_deg * kRadPerDeg);
     const controller::ConverterRange range = config.converter.range(static_cast<std::size_t>(c));
-    calibration.low_counts.push_back(config.sensor.low_counts(range));
-    calibration.high_counts.push_back(config.sensor.high_counts(range));
+    const NominalCounts nominal = NominalCountsOf(range);
+    calibration.low_counts.push_back(nominal.low_counts);
+    calibration.high_counts.push_back(nominal.high_counts);
     most.push_back(range.full_scale_counts);
     least.push_back(range.min_counts);
   }

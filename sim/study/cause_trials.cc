@@ -34,9 +34,7 @@ void TakeServo(HandConfig& hand) {
 
 /// A glove whose sensors are as the controller takes them to be.
 GloveConfig WithoutErrors(GloveConfig config) {
-  const SensorConfig exact = {.low_percent = config.sensor.low_percent,
-                              .high_percent = config.sensor.high_percent,
-                              .gain_deviation_percent = 0.0,
+  const SensorConfig exact = {.gain_deviation_percent = 0.0,
                               .offset_deviation_percent = 0.0,
                               .curvature_deviation_percent = 0.0,
                               .cross_talk_percent = 0.0,

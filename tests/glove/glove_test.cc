@@ -313,11 +313,6 @@ TEST(Glove, IsWithoutNoiseWhereEveryKindOfItIsNothing) {
   EXPECT_FALSE(with([](GloveConfig& c) { c.noise.pink_variance_counts2 = 0.1; }));
   EXPECT_FALSE(with([](GloveConfig& c) { c.noise.mains_amplitude_counts = 0.1; }));
   EXPECT_FALSE(with([](GloveConfig& c) { c.noise.walk_counts_per_sqrt_s = 0.1; }));
-  EXPECT_FALSE(with([](GloveConfig& c) { c.noise.recording = "a.csv"; }));
-  EXPECT_TRUE(with([](GloveConfig& c) {
-    c.noise.recording = "a.csv";
-    c.noise.recording_scale = 0.0;
-  }));
   EXPECT_FALSE(with([](GloveConfig& c) { c.faults.resize(1); }));
 }
 

@@ -314,29 +314,12 @@ TEST(Tremor, BelongsToTheTruthOnlyIfSaid) {
 }
 
 TEST(MotionKinds, ExplainThemselves) {
-  EXPECT_EQ(MotionKinds().size(), 11u);
+  EXPECT_EQ(MotionKinds().size(), 10u);
   for (const MotionKind& kind : MotionKinds()) {
     EXPECT_FALSE(kind.summary.empty()) << kind.name;
     EXPECT_EQ(kind.defaults.kind(), kind.name);
   }
   EXPECT_EQ(MotionConfig{}.kind(), "random");
-}
-
-TEST(Tapping, BendsOneFingerAfterTheOtherAndBringsItBack) {
-  const TappingConfig config{.duration_s = 4.0, .interval_s = 0.5, .tap_s = 0.3, .depth_deg = 20.0};
-  const Motion motion = MakeMotion(config, MotionContext{});
-  const double rest_rad = motion.angle_rad(0, ChannelIndex("index_mcp"));
-  const auto bent_deg = [&](const char* channel, int sample) {
-    return kDegPerRad * (motion.angle_rad(sample, ChannelIndex(channel)) -
-                         motion.angle_rad(0, ChannelIndex(channel)));
-  };
-  EXPECT_NEAR(bent_deg("index_mcp", 650), 20.0, 1e-9);  // 0.5 s, then half of the tap
-  EXPECT_NEAR(bent_deg("middle_mcp", 650), 0.0, 1e-12);
-  EXPECT_NEAR(bent_deg("middle_mcp", 1150), 20.0, 1e-9);
-  EXPECT_NEAR(bent_deg("little_mcp", 2150), 20.0, 1e-9);
-  EXPECT_NEAR(bent_deg("index_mcp", 2650), 20.0, 1e-9);  // the next round
-  EXPECT_NEAR(motion.angle_rad(3999, ChannelIndex("index_mcp")), rest_rad, 1e-12);
-  EXPECT_EQ(bent_deg("thumb_ip", 2000), 0.0);
 }
 
 }  // namespace

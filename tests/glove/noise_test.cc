@@ -8,13 +8,11 @@
 #include <unsupported/Eigen/FFT>
 #include <vector>
 
-#include "sim/base/channels.h"
 #include "sim/base/random.h"
 #include "sim/glove/noise/add_noise.h"
 #include "sim/glove/noise/box_muller.h"
 #include "sim/glove/noise/coloured_noise.h"
 #include "sim/glove/noise/galton_board.h"
-#include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -189,8 +187,7 @@ TEST(ColouredNoise, WalkSpreadsWithTheRootOfTime) {
 
 Signal NoiseOf(const NoiseConfig& config, int samples, int bits = 10) {
   Signal counts = Signal::Zero(samples, 18);
-  std::vector<std::string> remarks;
-  AddNoise(config, {}, {.bits = {static_cast<double>(bits)}}, 1000.0, 9, counts, remarks);
+  AddNoise(config, {.bits = {static_cast<double>(bits)}}, 1000.0, 9, counts);
   return counts;
 }
 
@@ -226,18 +223,6 @@ TEST(Noise, RejectsWhatIsNoCovariance) {
   EXPECT_THROW(config.Check(), controller::SettingError);  // not positive definite
   config.covariance_counts2.assign(100, 1.0);
   EXPECT_THROW(config.Check(), controller::SettingError);
-}
-
-TEST(Noise, TakesTheResidualOfARecordingAndNothingElse) {
-  NoiseConfig config;
-  config.kind = WhiteNoiseKind::kNone;
-  config.recording = SourceDir() + "/scenarios/recordings/door_opening/targets.csv";
-  config.recording_problems = ProblemHandling::kRepair;
-  const Signal noise = NoiseOf(config, 5000);
-  const int index = ChannelIndex("index_mcp");
-  EXPECT_GT(noise.col(index).norm() / std::sqrt(5000.0), 5.0);
-  EXPECT_LT(std::abs(noise.col(index).mean()), 3.0);
-  EXPECT_LT(noise.col(ChannelIndex("elbow_flexion")).norm() / std::sqrt(5000.0), 1.0);
 }
 
 }  // namespace

@@ -14,9 +14,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
-#include "sim/base/random.h"
 #include "sim/glove/glove.h"
-#include "sim/glove/noise/box_muller.h"
 #include "sim/recordings/recording.h"
 #include "sim/recordings/zero_phase.h"
 #include "tests/support/source_dir.h"
@@ -404,51 +402,6 @@ TEST_F(Files, CanBeReadInPart) {
   EXPECT_LE(part.time_s.front(), 5.0);
   EXPECT_GE(part.time_s.back(), 6.0);
   EXPECT_THROW(LoadRecording(file, {}, 50.0, 1.0), UserError);
-}
-
-TEST_F(Files, OfNoiseAreReadOnlyAsFarAsTheSignalGoes) {
-  std::string text = "time_s,index_mcp\n";
-  for (int i = 0; i < 1200; ++i) {
-    text += std::to_string(i * 0.05) + (i == 600 ? ",bad\n" : i % 2 == 0 ? ",1\n" : ",2\n");
-  }
-  GloveConfig config;
-  config.motion.settings = HoldConfig{.duration_s = 10.0};
-  config.noise.recording = Write("noise.csv", text);
-  EXPECT_TRUE(SynthesiseGlove(config, 1).remarks.empty());
-  config.motion.settings = HoldConfig{.duration_s = 40.0};  // beyond the bad row at 30 s
-  EXPECT_THAT(ErrorOf([&] { SynthesiseGlove(config, 1); }), HasSubstr(":602:2: 'bad' is not a"));
-  config.noise.recording_problems = ProblemHandling::kRepair;
-  EXPECT_THAT(SynthesiseGlove(config, 1).remarks, ElementsAre(HasSubstr("not a number")));
-}
-
-TEST_F(Files, OfNoiseHaveTheirGlitchesLeftOut) {
-  RandomStream random(1, "test");
-  const auto text_with = [white = [&] {
-    std::vector<double> values(500);
-    AddBoxMuller(random, 0.5, values);
-    return values;
-  }()](double wild_deg) {
-    std::string text = "time_s,index_mcp\n";
-    for (int i = 0; i < 500; ++i) {
-      text += fmt::format("{},{}\n", 0.01 * i, 20 + white[i] + (i == 200 ? wild_deg : 0.0));
-    }
-    return text;
-  };
-  GloveConfig config;
-  config.motion.settings = HoldConfig{.duration_s = 4.0};
-  config.noise.kind = WhiteNoiseKind::kNone;
-  const auto span_counts = [&](double wild_deg) {
-    config.noise.recording = Write("noise.csv", text_with(wild_deg));
-    const Eigen::VectorXd counts = SynthesiseGlove(config, 1).counts.col(ChannelIndex("index_mcp"));
-    return counts.maxCoeff() - counts.minCoeff();
-  };
-  const double clean_counts = span_counts(0.0);
-  EXPECT_GT(clean_counts, 5.0);
-  EXPECT_THAT(ErrorOf([&] { span_counts(40.0); }), HasSubstr("noise.csv:202:2: index_mcp jumps"));
-  config.noise.recording_problems = ProblemHandling::kRepair;
-  EXPECT_NEAR(span_counts(40.0), clean_counts, 2.0);
-  EXPECT_THAT(SynthesiseGlove(config, 1).remarks,
-              ElementsAre(HasSubstr("glitch: 1 times, first in row 202")));
 }
 
 TEST_F(Files, AreHeldWhereAGloveMeasuredAndInterpolatedWhereTheyAreTheTruth) {

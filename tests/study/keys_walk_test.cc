@@ -39,13 +39,10 @@ struct Step {
   std::string key() const { return set.substr(0, set.find('=')); }
 };
 
-const std::string kRecording = SourceDir() + "/scenarios/recordings/door_opening/angles.csv";
 const std::string kOf = "controllers.walked.";  // the only controller
 const std::vector<std::string> kTremor = {"glove.tremor.rms_deg=3"};
 const std::vector<std::string> kHum = {"glove.noise.mains_amplitude_counts=20"};
 const std::vector<std::string> kDrift = {"glove.sensor.drift_deviation_percent=20"};
-const std::vector<std::string> kNoiseOfRecording = {"glove.noise.recording=" + kRecording,
-                                                    "glove.noise.recording_scale=100"};
 // Nothing was recorded from 4.47 to 4.87 s.
 const std::vector<std::string> kGap = {"glove.motion={kind: recording, file: " + SourceDir() +
                                        "/scenarios/recordings/door_opening/targets.csv, use: "
@@ -61,8 +58,6 @@ const std::vector<std::string> kLost = {kRefuses[0], kRefuses[1], kRefuses[2],
 const std::vector<std::string> kStill = {"glove.motion={kind: hold, duration_s: 1.5}",
                                          "glove.noise.kind=none"};
 const std::vector<std::string> kSlow = {"glove.rate_hz=33.3"};
-const std::vector<std::string> kSlowNoise = {"glove.rate_hz=33.3", kNoiseOfRecording[0],
-                                             kNoiseOfRecording[1]};
 const std::vector<std::string> kOddEvents = {"event.period_ms=7.3"};
 const std::vector<std::string> kNoLoss = {"event.loss_percent=0"};
 const std::vector<std::string> kGloveLink = {"link.glove.preset=none"};
@@ -287,24 +282,6 @@ const std::vector<Step>& Walk() {
       {"glove.noise.walk_counts_per_sqrt_s=0", kKeeps},  // the default
       {"glove.noise.walk_counts_per_sqrt_s=1000", kChanges},
       {"glove.noise.walk_counts_per_sqrt_s=50", kChanges, {}, kSlow},
-      {"glove.noise.recording=" + kRecording, kChanges, {}, {"glove.noise.recording_scale=100"}},
-      {"glove.noise.recording=" + kRecording,
-       kChanges,
-       {},
-       {"glove.noise.recording_scale=100", "glove.rate_hz=33.3"}},
-      {"glove.noise.recording=" + kRecording,
-       kRefused,
-       "glove.noise.recording_smoothing_hz: is 5",
-       {"glove.rate_hz=10"}},
-      {"glove.noise.recording_smoothing_hz=0.1", kChanges, {}, kNoiseOfRecording},
-      {"glove.noise.recording_smoothing_hz=20", kChanges, {}, kNoiseOfRecording},
-      {"glove.noise.recording_smoothing_hz=13", kChanges, {}, kSlowNoise},
-      {"glove.noise.recording_smoothing_hz=14", kRefused, {}, kSlowNoise},
-      {"glove.noise.recording_rate_hz=0", kKeeps, {}, kNoiseOfRecording},  // it has a time column
-      {"glove.noise.recording_rate_hz=100000", kRefused, "recording_rate_hz must not be given",
-       kNoiseOfRecording},
-      {"glove.noise.recording_longest_gap_ms=0", kRefused, "nothing for 10 ms", kNoiseOfRecording},
-      {"glove.noise.recording_longest_gap_ms=10000000", kKeeps, {}, kNoiseOfRecording},
       // Controllers.
       {kOf + "filter_at=event", kChanges},
       {kOf + "filter_at=event", kChanges, {}, kFiveSlow},

@@ -9,7 +9,6 @@
 #include "sim/base/segment.h"
 #include "sim/base/signal.h"
 #include "sim/glove/sensor/converter.h"
-#include "sim/glove/sensor/sensor_config.h"
 
 namespace gauntlet::sim {
 
@@ -34,7 +33,6 @@ struct MotionContext {
   std::uint64_t seed = 0;
   std::uint64_t part = 0;         // place in a sequence: its random streams are its own
   std::vector<double> start_rad;  // per channel, where the part before ended; empty if none
-  SensorConfig sensor;            // nominal, for recordings in counts
   ConverterConfig converter;
 
   /// Errors: SettingError for more than an hour.

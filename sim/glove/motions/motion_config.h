@@ -14,16 +14,14 @@
 #include "sim/glove/motions/recorded_motion.h"
 #include "sim/glove/motions/sequence.h"
 #include "sim/glove/motions/sine_motion.h"
-#include "sim/glove/motions/tapping_motion.h"
 
 namespace gauntlet::sim {
 
 /// Every kind of motion that there is. To add one: a file with its config and its MakeMotion(), and
 /// one entry here.
-class MotionSettings
-    : public std::variant<HoldConfig, RecordedMotionConfig, RandomMotionConfig, MovesConfig,
-                          GraspConfig, BurstsConfig, SineConfig, ChirpConfig, StepsConfig,
-                          SequenceConfig, TappingConfig> {
+class MotionSettings : public std::variant<HoldConfig, RecordedMotionConfig, RandomMotionConfig,
+                                           MovesConfig, GraspConfig, BurstsConfig, SineConfig,
+                                           ChirpConfig, StepsConfig, SequenceConfig> {
  public:
   using variant::variant;
   MotionSettings();

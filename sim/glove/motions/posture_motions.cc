@@ -18,15 +18,18 @@ std::vector<double> StartOf(const MotionContext& context) {
   return context.start_rad.empty() ? PostureAngles(0) : context.start_rad;
 }
 
+/// In a grasp each finger starts this much later than its neighbour to the thumb.
+constexpr double kFingerLag_ms = 15.0;
+
 /// How much later than the index finger each channel starts [s].
-std::vector<double> FingerLags(double finger_lag_ms) {
+std::vector<double> FingerLags() {
   std::vector<double> lags;
   for (const Channel& channel : KnownChannels()) {
     double fingers = 0.0;
     if (channel.name.starts_with("middle")) fingers = 1.0;
     if (channel.name.starts_with("ring")) fingers = 2.0;
     if (channel.name.starts_with("little")) fingers = 3.0;
-    lags.push_back(1e-3 * finger_lag_ms * fingers);
+    lags.push_back(1e-3 * kFingerLag_ms * fingers);
   }
   return lags;
 }
@@ -50,12 +53,6 @@ void VisitRepeats(controller::SettingsVisitor& visitor, int& repeats) {
 void VisitSeconds(controller::SettingsVisitor& visitor, std::string_view key, std::string_view help,
                   double min, double& value) {
   visitor.Number({.key = key, .help = help, .min = min, .max = 60}, value);
-}
-
-void VisitLag(controller::SettingsVisitor& visitor, double& finger_lag_ms) {
-  visitor.Number({"finger_lag_ms",
-                  "each finger starts this much later than its neighbour to the thumb", 0, 200},
-                 finger_lag_ms);
 }
 
 /// A grasp of the given kind as it turns out this time.
@@ -82,7 +79,6 @@ void MovesConfig::Visit(controller::SettingsVisitor& visitor) {
   visitor.Texts({"postures", "one after another; names as in a hold"}, postures);
   VisitSeconds(visitor, "move_s", "duration of each move", 0.01, move_s);
   VisitSeconds(visitor, "hold_s", "how long each posture is held", 0.0, hold_s);
-  VisitLag(visitor, finger_lag_ms);
   VisitRepeats(visitor, repeats);
 }
 
@@ -91,15 +87,14 @@ Motion MakeMotion(const MovesConfig& config, const MotionContext& context) {
     throw controller::SettingError("postures", "is empty, must name at least one posture");
   }
   MovePlan plan(StartOf(context));
-  const std::vector<double> lags = FingerLags(config.finger_lag_ms);
   double now_s = config.hold_s;
   for (int repeat = 0; repeat < config.repeats; ++repeat) {
     for (const std::string& posture : config.postures) {
-      plan.MoveTo(now_s, config.move_s, PostureAngles(PostureIndex(posture)), lags);
+      plan.MoveTo(now_s, config.move_s, PostureAngles(PostureIndex(posture)));
       now_s += config.move_s + config.hold_s;
     }
   }
-  return plan.Fill(context.SampleCount(now_s + *std::ranges::max_element(lags)), context);
+  return plan.Fill(context.SampleCount(now_s), context);
 }
 
 void GraspConfig::Visit(controller::SettingsVisitor& visitor) {
@@ -109,7 +104,6 @@ void GraspConfig::Visit(controller::SettingsVisitor& visitor) {
   VisitSeconds(visitor, "reach_s", "from rest to the closed grasp", 0.1, reach_s);
   VisitSeconds(visitor, "hold_s", "how long it is held", 0.0, hold_s);
   VisitSeconds(visitor, "release_s", "from the grasp back to rest", 0.1, release_s);
-  VisitLag(visitor, finger_lag_ms);
   visitor.Number({"variation_percent",
                   "standard deviation of how far the fingers close, from grasp to grasp", 0, 30},
                  variation_percent);
@@ -118,7 +112,7 @@ void GraspConfig::Visit(controller::SettingsVisitor& visitor) {
 Motion MakeMotion(const GraspConfig& config, const MotionContext& context) {
   const std::vector<double> rest = StartOf(context);
   const std::vector<double> open = PostureAngles(PostureIndex("open"));
-  const std::vector<double> lags = FingerLags(config.finger_lag_ms);
+  const std::vector<double> lags = FingerLags();
   MovePlan plan(rest);
   double now_s = config.rest_s;
   for (int repeat = 0; repeat < config.repeats; ++repeat) {
@@ -132,7 +126,7 @@ Motion MakeMotion(const GraspConfig& config, const MotionContext& context) {
     plan.MoveTo(now_s, config.release_s, rest, lags);
     now_s += config.release_s + config.rest_s;
   }
-  return plan.Fill(context.SampleCount(now_s + 3e-3 * config.finger_lag_ms), context);
+  return plan.Fill(context.SampleCount(now_s + 3e-3 * kFingerLag_ms), context);
 }
 
 void BurstsConfig::Visit(controller::SettingsVisitor& visitor) {

@@ -19,7 +19,6 @@ struct MovesConfig {
   std::vector<std::string> postures = {"open", "power", "open", "point", "rest"};
   double move_s = 0.8;
   double hold_s = 0.6;
-  double finger_lag_ms = 0.0;
   int repeats = 1;
 
   void Visit(controller::SettingsVisitor& visitor);
@@ -43,7 +42,6 @@ struct GraspConfig {
   double reach_s = 0.9;
   double hold_s = 1.2;
   double release_s = 0.6;
-  double finger_lag_ms = 15.0;
   double variation_percent = 8.0;
 
   void Visit(controller::SettingsVisitor& visitor);

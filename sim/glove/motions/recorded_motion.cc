@@ -35,7 +35,7 @@ RecordingFormat FormatOf(const RecordedMotionConfig& config, const MotionContext
   format.handling = config.problems;
   format.longest_gap_ms = config.longest_gap_ms;
   format.repair_budget_percent = config.repair_budget_percent;
-  format.nominal = NominalCountsOf(context.sensor, context.converter);
+  format.nominal = NominalCountsOf(context.converter);
   return format;
 }
 

@@ -14,6 +14,7 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr int kSines = 8;
+constexpr double kSharedPower = 0.5;  // share that all channels have in common
 
 /// Sum of sines within the band with a mean square of 1.
 Eigen::VectorXd NarrowBand(RandomStream& random, const TremorConfig& config, int samples,
@@ -42,8 +43,6 @@ void TremorConfig::Visit(controller::SettingsVisitor& visitor) {
   visitor.Number({"rms_deg", "size at each joint; 0 is none", 0, 20}, rms_deg);
   visitor.Number({"from_hz", "lower end of the band", 0.5, 25}, from_hz);
   visitor.Number({"to_hz", "upper end of the band", 0.5, 25}, to_hz);
-  visitor.Number({"shared_percent", "share of its power that all channels have in common", 0, 100},
-                 shared_percent);
   VisitChannels(visitor, channels);
   visitor.Flag({"belongs_to_truth", "true: the reference contains the tremor; false: it does not"},
                belongs_to_truth);
@@ -59,13 +58,13 @@ Signal SynthesiseTremor(const TremorConfig& config, int samples, double rate_hz,
   const std::vector<bool> selected = SelectChannels(config.channels);
   RandomStream shared_random(seed, "tremor/shared");
   const Eigen::VectorXd shared =
-      std::sqrt(0.01 * config.shared_percent) * NarrowBand(shared_random, config, samples, rate_hz);
+      std::sqrt(kSharedPower) * NarrowBand(shared_random, config, samples, rate_hz);
   Signal tremor_rad;
   tremor_rad.setZero(samples, static_cast<Eigen::Index>(selected.size()));
   for (std::size_t channel = 0; channel < selected.size(); ++channel) {
     if (!selected[channel]) continue;
     RandomStream random(seed, "tremor/own", channel);
-    const double own_share = std::sqrt(1.0 - 0.01 * config.shared_percent);
+    const double own_share = std::sqrt(1.0 - kSharedPower);
     tremor_rad.col(static_cast<Eigen::Index>(channel)) =
         kRadPerDeg * config.rms_deg *
         (shared + own_share * NarrowBand(random, config, samples, rate_hz));

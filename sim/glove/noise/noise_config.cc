@@ -18,23 +18,6 @@ void VisitGalton(controller::SettingsVisitor& visitor, NoiseConfig& config) {
                   config.galton_balls);
 }
 
-void VisitRecording(controller::SettingsVisitor& visitor, NoiseConfig& config) {
-  visitor.Path({"recording", "file whose noise is added; empty: none"}, config.recording);
-  visitor.Path({"recording_map", "its column map, if its names are others"}, config.recording_map);
-  visitor.Number({"recording_rate_hz", "its rows per second if it has no time column", 0, 100000},
-                 config.recording_rate_hz);
-  controller::VisitEnum(visitor,
-                        {"recording_problems", "stop at its first bad value, or repair and report"},
-                        kProblemHandlingNames, config.recording_problems);
-  visitor.Number(
-      {"recording_longest_gap_ms", "a longer gap in it is a problem, and gives no noise", 0, 1e7},
-      config.recording_longest_gap_ms);
-  visitor.Number({"recording_smoothing_hz",
-                  "what lies above this is its noise; at most 0.4 times glove.rate_hz", 0.1, 20},
-                 config.recording_smoothing_hz);
-  visitor.Number({"recording_scale", "factor on its noise", 0, 1000}, config.recording_scale);
-}
-
 }  // namespace
 
 double NoiseConfig::VarianceCounts2(int channel) const {
@@ -101,7 +84,6 @@ void NoiseConfig::Visit(controller::SettingsVisitor& visitor) {
   visitor.Number(
       {"walk_counts_per_sqrt_s", "random walk: standard deviation after one second", 0, 1000},
       walk_counts_per_sqrt_s);
-  VisitRecording(visitor, *this);
 }
 
 }  // namespace gauntlet::sim

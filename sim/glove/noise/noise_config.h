@@ -1,10 +1,8 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "controller/settings.h"
-#include "sim/tables/csv_reader.h"
 
 namespace gauntlet::sim {
 
@@ -30,14 +28,6 @@ struct NoiseConfig {
   double mains_amplitude_counts = 0.0;
   double mains_hz = 50.0;
   double walk_counts_per_sqrt_s = 0.0;
-  /// Noise of a real glove: what remains of a recording when its smoothed self is taken away.
-  std::string recording;
-  std::string recording_map;
-  double recording_rate_hz = 0.0;
-  ProblemHandling recording_problems = ProblemHandling::kStrict;
-  double recording_longest_gap_ms = 100.0;
-  double recording_smoothing_hz = 5.0;
-  double recording_scale = 1.0;
 
   /// Variance of the white noise of a channel, scale included [counts^2 of a 10-bit converter].
   double VarianceCounts2(int channel) const;

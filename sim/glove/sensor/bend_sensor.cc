@@ -15,6 +15,10 @@
 namespace gauntlet::sim {
 namespace {
 
+/// Output of the nominal sensor at the ends of a joint's range, of the full scale.
+constexpr double kLowPercent = 10.0;
+constexpr double kHighPercent = 90.0;
+
 /// Sensors that lie beside or in line with each other.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kNeighbours = {
     {{"thumb_rotation", "thumb_abduction"},
@@ -142,8 +146,8 @@ Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
   for (Eigen::Index c = 0; c < bend.cols(); ++c) {
     const auto channel = static_cast<std::size_t>(c);
     const double scale = converters[channel].span_counts();
-    const double low = config.low_counts(converters[channel]);
-    const double span = 0.01 * (config.high_percent - config.low_percent) * scale;
+    const double low = NominalCountsOf(converters[channel]).low_counts;
+    const double span = 0.01 * (kHighPercent - kLowPercent) * scale;
     const double gain = sensor.gain[channel];
     const double bow = 4.0 * sensor.curvature_share[channel];
     const double start = low + span * (0.5 - 0.5 * gain) + sensor.offset_share[channel] * scale;
@@ -159,23 +163,24 @@ Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
   return bend;
 }
 
-Signal SenseBendNominal(const SensorConfig& config, const Signal& angle_rad,
+Signal SenseBendNominal(const Signal& angle_rad,
                         std::span<const controller::ConverterRange> converters) {
   SensorConfig nominal;
-  nominal.low_percent = config.low_percent;
-  nominal.high_percent = config.high_percent;
   nominal.hysteresis_deg = 0.0;
   nominal.lag_ms = 0.0;
   return SenseBend(nominal, NominalSensor(), angle_rad, 1000.0, converters);
 }
 
-std::vector<NominalCounts> NominalCountsOf(const SensorConfig& config,
-                                           const ConverterConfig& converter) {
+NominalCounts NominalCountsOf(const controller::ConverterRange& range) {
+  return {.min_counts = range.min_counts,
+          .low_counts = range.min_counts + 0.01 * kLowPercent * range.span_counts(),
+          .high_counts = range.min_counts + 0.01 * kHighPercent * range.span_counts()};
+}
+
+std::vector<NominalCounts> NominalCountsOf(const ConverterConfig& converter) {
   std::vector<NominalCounts> nominal;
   for (const controller::ConverterRange& range : converter.ranges()) {
-    nominal.push_back({.min_counts = range.min_counts,
-                       .low_counts = config.low_counts(range),
-                       .high_counts = config.high_counts(range)});
+    nominal.push_back(NominalCountsOf(range));
   }
   return nominal;
 }

@@ -39,11 +39,12 @@ Signal SenseBend(const SensorConfig& config, const SensorParameters& sensor,
                  std::span<const controller::ConverterRange> converters);
 
 /// The straight line alone: what the nominal sensor gives.
-Signal SenseBendNominal(const SensorConfig& config, const Signal& angle_rad,
+Signal SenseBendNominal(const Signal& angle_rad,
                         std::span<const controller::ConverterRange> converters);
 
-/// The nominal sensor's counts of each channel of KnownChannels().
-std::vector<NominalCounts> NominalCountsOf(const SensorConfig& config,
-                                           const ConverterConfig& converter);
+/// The nominal sensor's counts at the ends of a joint's range, by the range of its converter.
+NominalCounts NominalCountsOf(const controller::ConverterRange& range);
+/// Counts of the nominal sensor, for each channel of KnownChannels().
+std::vector<NominalCounts> NominalCountsOf(const ConverterConfig& converter);
 
 }  // namespace gauntlet::sim

@@ -16,10 +16,6 @@ void SensorConfig::Visit(controller::SettingsVisitor& visitor) {
                                  double max, double& value) {
     visitor.Number({.key = key, .help = help, .min = min, .max = max}, value);
   };
-  number("low_percent", "output at the lower end of the joint's range, of the full scale", 0, 45,
-         low_percent);
-  number("high_percent", "output at the upper end of the joint's range, of the full scale", 55, 100,
-         high_percent);
   number("gain_deviation_percent", "standard deviation of the gain from glove to glove", 0, 50,
          gain_deviation_percent);
   number("offset_deviation_percent",

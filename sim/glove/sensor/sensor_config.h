@@ -1,6 +1,5 @@
 #pragma once
 
-#include "controller/sample_guard_config.h"
 #include "controller/settings.h"
 
 namespace gauntlet::sim {
@@ -11,6 +10,7 @@ namespace gauntlet::sim {
 ///     bend'  = bend, late by the lag, held back by the hysteresis, with its neighbours' cross-talk
 ///     output = low + (high - low) (0.5 + gain (bend' - 0.5) + curvature 4 bend' (1 - bend'))
 ///              + offset + drift (1 - exp(-t / drift time))
+///     low, high = 10 and 90 % of the full scale
 ///
 /// The nominal sensor is straight and has neither; a seed draws one glove from it, per channel or
 /// pair: gain, offset, curvature and drift are normal about the nominal value, with the standard
@@ -24,8 +24,6 @@ namespace gauntlet::sim {
 /// is split is an assumption. Before calibration bend sensors differ far more: 30 % in resistance
 /// (data sheet of Spectra Symbol's Flex Sensor, 2014).
 struct SensorConfig {
-  double low_percent = 10.0;
-  double high_percent = 90.0;
   double gain_deviation_percent = 3.0;
   double offset_deviation_percent = 1.0;
   double curvature_deviation_percent = 1.0;
@@ -36,14 +34,6 @@ struct SensorConfig {
   double lag_deviation_percent = 20.0;
   double drift_deviation_percent = 0.0;
   double drift_time_s = 120.0;
-
-  /// Counts of the nominal sensor at the ends of a joint's range.
-  double low_counts(const controller::ConverterRange& range) const {
-    return range.min_counts + 0.01 * low_percent * range.span_counts();
-  }
-  double high_counts(const controller::ConverterRange& range) const {
-    return range.min_counts + 0.01 * high_percent * range.span_counts();
-  }
 
   /// Each seed draws another glove.
   bool is_drawn() const;
