@@ -102,21 +102,6 @@ Json JsonByMetric::Of(const std::vector<MeanInterval>& estimates,
   });
 }
 
-/// RMS errors in deg; `used_share` is of the way from `now` to `fitted`, of each channel by itself
-/// or of all.
-Json CeilingJson(const PredictionCeiling& ceiling) {
-  return {{"shortest_horizon_ms", ceiling.shortest_horizon_ms},
-          {"longest_horizon_ms", ceiling.longest_horizon_ms},
-          {"now_rmse_deg", EstimateJson(ceiling.now)},
-          {"prediction_rmse_deg", EstimateJson(ceiling.ours)},
-          {"fitted_rmse_deg", EstimateJson(ceiling.fitted)},
-          {"fitted_to_all_channels_rmse_deg", EstimateJson(ceiling.fitted_to_all)},
-          {"known_ahead_rmse_deg", EstimateJson(ceiling.known)},
-          {"used_share", EstimateJson(ceiling.used)},
-          {"used_share_of_all_channels", EstimateJson(ceiling.used_of_all)},
-          {"fitted_to_the_same_motion", ceiling.is_same_motion}};
-}
-
 /// Times in s, from the begin of the trial.
 Json BlocksJson(const RecordingBlocks& blocks) {
   Json json = {{"counted_s", blocks.duration_s},
@@ -147,9 +132,6 @@ Json ControllerJson(const FinishedStudy& finished, std::size_t index, const std:
     json["difference_to_baseline"] = by_metric.Of(controller.to_baseline, replicates);
     json["effect_size"] = by_metric.Of(controller.effect_size);
   }
-  const auto ceiling =
-      std::ranges::find(finished.ceilings, controller.name, &PredictionCeiling::controller);
-  if (ceiling != finished.ceilings.end()) json["prediction_ceiling"] = CeilingJson(*ceiling);
   json["worse_than_baseline"] =
       KeysWhere([&](std::size_t m) { return controller.IsWorseThanBaseline(m); });
   json["as_good_as_best"] = KeysWhere([&](std::size_t m) { return controller.as_good_as_best[m]; });

@@ -87,7 +87,7 @@ struct FinishedStudy {
   StudyResult result;
   Summary summary;
   bool comparison = false;                       // of several seeds, as asked; else one run
-  std::vector<PredictionCeiling> ceilings = {};  // of a comparison
+  std::vector<PredictionCeiling> ceilings = {};  // of a comparison, if asked for
   std::filesystem::path folder = {};             // of its files: paths in them are relative to it
   std::vector<SmoothingRank> smoothing = {};     // where the reference is a smoothed recording
 };

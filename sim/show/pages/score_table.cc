@@ -332,9 +332,6 @@ std::vector<std::string> Notes(const FinishedStudy& finished) {
   if (std::string joints = JointsWithDelay(finished); !joints.empty()) {
     notes.push_back(std::move(joints));
   }
-  for (const PredictionCeiling& ceiling : finished.ceilings) {
-    notes.push_back(PredictionText(ceiling));
-  }
   if (std::string smoothing = SmoothingText(finished); !smoothing.empty()) {
     notes.push_back(std::move(smoothing));
   }
@@ -430,6 +427,9 @@ ResultText ScoreText(const FinishedStudy& finished, bool verbose) {
   text.emplace_back(MeansTable(summary));
   if (summary.pairs > 0) AddLine(Legend(summary), text);
   for (const std::string& note : Notes(finished)) AddLine(note, text);
+  for (const PredictionCeiling& ceiling : finished.ceilings) {
+    AddLine(PredictionText(ceiling), text);
+  }
   text.emplace_back(ErrorSplitTable(summary));
   return text;
 }
