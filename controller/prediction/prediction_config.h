@@ -7,7 +7,6 @@
 #include "controller/export.h"
 #include "controller/kinds.h"
 #include "controller/prediction/adaptive_prediction.h"
-#include "controller/prediction/double_exponential_prediction.h"
 #include "controller/prediction/fitted_prediction.h"
 #include "controller/prediction/fitted_to_others_prediction.h"
 #include "controller/prediction/kalman_prediction.h"
@@ -21,8 +20,8 @@ namespace gauntlet::controller {
 /// MakePredictor(), one entry here and one in `predictor.h`.
 class GAUNTLET_API PredictionSettings
     : public std::variant<NoPredictionConfig, LinearPredictionConfig, KalmanPredictionConfig,
-                          AdaptivePredictionConfig, DoubleExponentialPredictionConfig,
-                          FittedPredictionConfig, FittedToOthersPredictionConfig> {
+                          AdaptivePredictionConfig, FittedPredictionConfig,
+                          FittedToOthersPredictionConfig> {
  public:
   using variant::variant;
   PredictionSettings();

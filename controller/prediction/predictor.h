@@ -36,10 +36,6 @@ GAUNTLET_API std::unique_ptr<Filter> MakePredictor(const AdaptivePredictionConfi
                                                    int channel_count, double rate_hz, int rows = 1);
 
 /// Errors: SettingError.
-GAUNTLET_API std::unique_ptr<Filter> MakePredictor(const DoubleExponentialPredictionConfig& config,
-                                                   int channel_count, double rate_hz);
-
-/// Errors: SettingError.
 GAUNTLET_API std::unique_ptr<Filter> MakePredictor(const FittedPredictionConfig& config,
                                                    int channel_count, double rate_hz);
 

@@ -87,23 +87,22 @@ TEST_F(PredictionCeilingTest, IsBeatenByNoPrediction) {
                           number);
   }
   std::string controllers;
-  for (const char* kind :
-       {"linear", "kalman", "kalman, states: 3", "adaptive", "double_exponential",
-        "fitted_to_others", "fitted_to_others, offset: true"}) {
+  for (const char* kind : {"linear", "kalman", "kalman, states: 3", "adaptive", "fitted_to_others",
+                           "fitted_to_others, offset: true"}) {
     controllers += fmt::format("  c{}: {{prediction: {{kind: {}, horizon_ms: 90}}}}\n",
                                controllers.size(), kind);
   }
   const auto ceilings = Measure(controllers, 10);
-  ASSERT_EQ(ceilings.size(), 7u) << (remarks_.empty() ? "" : remarks_[0]);
+  ASSERT_EQ(ceilings.size(), 6u) << (remarks_.empty() ? "" : remarks_[0]);
   for (const PredictionCeiling& ceiling : ceilings) {
     EXPECT_LE(ceiling.used.low, 1.0) << ceiling.controller;
     EXPECT_LE(ceiling.used_of_all.low, 1.0) << ceiling.controller;
     EXPECT_FALSE(ceiling.is_same_motion);
   }
   EXPECT_LT(ceilings[3].used.mean, 0.75);  // of samples 5 ms apart it was 0.86
-  EXPECT_GT(ceilings[5].used.mean, 0.75);
-  EXPECT_DOUBLE_EQ(ceilings[6].used.mean, 1.0);
-  EXPECT_LT(ceilings[6].used_of_all.mean, 0.97);
+  EXPECT_GT(ceilings[4].used.mean, 0.75);
+  EXPECT_DOUBLE_EQ(ceilings[5].used.mean, 1.0);
+  EXPECT_LT(ceilings[5].used_of_all.mean, 0.97);
 }
 
 TEST_F(PredictionCeilingTest, SaysWhereAllRepetitionsHaveOneMotion) {

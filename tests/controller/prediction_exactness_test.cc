@@ -67,23 +67,6 @@ TEST(PredictionExactness, KalmanOfThreeStates) {
             1e-12);
 }
 
-TEST(PredictionExactness, DoubleExponential) {
-  const Real a = 1 - std::exp(Real{-1} / 30);
-  const Real trend = a / (1 - a) * kHorizon;
-  Real once = 0, twice = 0;
-  bool first = true;
-  EXPECT_LE(WorstError(
-                {DoubleExponentialPredictionConfig{.horizon_ms = {kHorizon}, .smoothing_ms = 30.0}},
-                [&](double z) {
-                  if (first) once = twice = z;
-                  first = false;
-                  once = a * z + (1 - a) * once;
-                  twice = a * once + (1 - a) * twice;
-                  return (2 + trend) * once - (1 + trend) * twice;
-                }),
-            1e-12);
-}
-
 TEST(PredictionExactness, Fitted) {
   FittedPredictionConfig config{.order = 40, .tap_ms = 5.0, .weights = {}};
   TestNoise noise(4);

@@ -66,7 +66,6 @@ std::vector<PredictionCase> PredictionCases() {
       {"adaptive", {AdaptivePredictionConfig{.horizon_ms = horizon_ms}}},
       {"adaptive_each",
        {AdaptivePredictionConfig{.horizon_ms = horizons_ms, .r_deg2 = variances_deg2}}},
-      {"double_exponential", {DoubleExponentialPredictionConfig{.horizon_ms = horizon_ms}}},
       {"fitted", {AlongALine()}},
       {"fitted_each", {each}},
       {"fitted_means", {means}}};
@@ -344,9 +343,8 @@ const PredictionConfig kKalman = {KalmanPredictionConfig{.horizon_ms = {kHorizon
 const PredictionConfig kParabola = {KalmanPredictionConfig{.horizon_ms = {kHorizon}, .states = 3}};
 
 TEST(Predictor, LooksAheadExactlyOnAStraightLine) {
-  const PredictionConfig twice = {DoubleExponentialPredictionConfig{.horizon_ms = {kHorizon}}};
   for (const PredictionConfig& config :
-       {kLinear, kKalman, kParabola, twice, PredictionConfig{AlongALine()}}) {
+       {kLinear, kKalman, kParabola, PredictionConfig{AlongALine()}}) {
     const auto predictor = MakePredictor(config, 1, kRateHz);
     double output = 0.0;
     for (int k = 0; k < 8000; ++k) {
@@ -620,9 +618,8 @@ TEST(PredictionKinds, ExplainThemselves) {
     EXPECT_EQ(kind.defaults.kind(), kind.name);
     names.push_back(kind.name);
   }
-  EXPECT_EQ(names,
-            (std::vector<std::string_view>{"none", "linear", "kalman", "adaptive",
-                                           "double_exponential", "fitted", "fitted_to_others"}));
+  EXPECT_EQ(names, (std::vector<std::string_view>{"none", "linear", "kalman", "adaptive", "fitted",
+                                                  "fitted_to_others"}));
 }
 
 }  // namespace
