@@ -117,7 +117,7 @@ std::vector<double> CrossProducts(Pair& pair, Fourier& fourier) {
     pair.spectrum[k] = CrossBin(pair, k);
   }
   std::vector<double> products(pair.size);
-  fourier.Inverse(std::move(pair.spectrum), products);
+  fourier.Inverse(pair.spectrum, products);
   return products;
 }
 
