@@ -15,6 +15,5 @@ inline constexpr Color kInkOnLight = kInk.OnLight();
 inline constexpr Color kMutedOnLight = kMuted.OnLight();
 inline constexpr Color kWarning = Rgb(0xb42318);
 inline constexpr Color kBetter = kGood.OnLight();
-inline constexpr Color kBar = Rgb(0x9aa7b5);
 
 }  // namespace gauntlet::sim::palette

@@ -58,7 +58,6 @@ class Transport {
   /// Nothing on its way, and the random numbers from their beginning.
   void Reset();
 
-  std::int64_t sent_frames() const noexcept { return next_number_; }
   std::int64_t lost_frames() const noexcept { return lost_frames_; }
 
  private:
