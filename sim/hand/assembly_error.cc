@@ -17,7 +17,7 @@ double ErrorOf(int seed, std::string_view what, std::size_t part) {
 
 }  // namespace
 
-std::vector<double> AssembleWithErrors(const AssemblyErrorConfig& config, bool interference,
+std::vector<double> AssembleWithErrors(const AssemblyErrorConfig& config,
                                        const std::vector<HandJoint>& joints,
                                        const std::vector<Follower>& followers,
                                        std::vector<Drive>& drives) {
@@ -39,7 +39,6 @@ std::vector<double> AssembleWithErrors(const AssemblyErrorConfig& config, bool i
     }
     for (Cable& cable : drive.cables) {
       for (Crossing& crossing : cable.crossings) {
-        if (!interference && !crossing.own) continue;
         const std::size_t place = (motor << 16U) + static_cast<std::size_t>(crossing.dof);
         crossing.arm_error_m = 0.01 * config.moment_arm_percent * crossing.moment_arm_m *
                                ErrorOf(config.seed, "assembly arm", place);

@@ -13,7 +13,7 @@ namespace gauntlet::sim {
 ///
 /// Returns per joint how far it is from the middle of its range when all spools are at theirs
 /// [rad]: cables were fixed in that posture.
-std::vector<double> AssembleWithErrors(const AssemblyErrorConfig& config, bool interference,
+std::vector<double> AssembleWithErrors(const AssemblyErrorConfig& config,
                                        const std::vector<HandJoint>& joints,
                                        const std::vector<Follower>& followers,
                                        std::vector<Drive>& drives);

@@ -45,7 +45,6 @@ double MomentArm(const mjModel& model, const mjData& data, int tendon, int dof) 
 CablePaths::CablePaths(const mjModel& model, const std::vector<HandJoint>& joints,
                        const std::vector<Follower>& followers)
     : model_(model),
-      followers_(followers),
       data_(mj_makeData(&model), &mj_deleteData),
       largest_arm_m_(static_cast<std::size_t>(model.ntendon) * model.nv) {
   if (data_ == nullptr) throw RunError("not enough memory for the hand's model");
@@ -74,11 +73,6 @@ CablePaths::CablePaths(const mjModel& model, const std::vector<HandJoint>& joint
 
 bool CablePaths::Passes(int tendon, int dof) const {
   return largest_arm_m_[static_cast<std::size_t>(tendon) * model_.nv + dof] > kSmallestArmM;
-}
-
-int CablePaths::LeaderOf(int dof) const {
-  const auto found = std::ranges::find(followers_, dof, &Follower::dof);
-  return found == followers_.end() ? dof : found->leader_dof;
 }
 
 std::vector<CablePaths::Bend> CablePaths::BendsOf(int tendon) const {

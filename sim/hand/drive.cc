@@ -386,12 +386,6 @@ void FindCables(const mjModel& model, const HandConfig& config,
   for (std::size_t motor = 0; motor < drives.size(); ++motor) {
     Drive& drive = drives[motor];
     if (drive.has_shaft()) continue;
-    // A joint with a motor of its own name is that motor's alone.
-    const auto meant = [&](int dof) {
-      const auto joint = std::ranges::find(joints, dof, &HandJoint::dof);
-      if (joint == joints.end() || joint->name == drive.name) return true;
-      return std::ranges::find(drives, joint->name, &Drive::name) == drives.end();
-    };
     const bool pulled = drive.pulled_tendon >= 0;
     const int flexor =
         pulled ? drive.pulled_tendon : FindInModel(model, mjOBJ_TENDON, drive.name + "_flexor");
@@ -401,7 +395,7 @@ void FindCables(const mjModel& model, const HandConfig& config,
       drive.cables.push_back(MakeCable(model, config.cable, extensor, -1.0, false));
     }
     for (Cable& cable : drive.cables) {
-      paths.Trace(cable, meant);
+      paths.Trace(cable);
       cable.pretension_n = cable.cord.stiffness_n_m * pretension_m;
       cable.natural_length_m += 1e-3 * OfMotor(config.cable.slack_mm, motor) - pretension_m;
     }

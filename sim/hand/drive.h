@@ -19,7 +19,6 @@ namespace gauntlet::sim {
 struct Crossing {
   int dof = 0;
   int qpos = 0;
-  bool own = false;            // the cable is meant to move this joint, or one that it follows
   double reference_rad = 0.0;  // joint angle for which the next three hold
   double moment_arm_m = 0.0;   // how the cable's length grows with the joint's angle
   double arm_error_m = 0.0;    // in it, and not in the model

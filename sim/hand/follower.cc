@@ -51,7 +51,6 @@ void Join(const mjModel& model, const Follower& inner, Follower& outer) {
   for (int power = 1; power < 5; ++power)
     outer.coefficient[power] = ratio * inner.coefficient[power];
   outer.leader_qpos = inner.leader_qpos;
-  outer.leader_dof = inner.leader_dof;
   outer.leader_zero_rad = inner.leader_zero_rad;
 }
 
@@ -87,8 +86,7 @@ std::vector<Follower> FindFollowers(const mjModel& model) {
     if (model.eq_type[index] != mjEQ_JOINT || !model.eq_active[index] || leader < 0) continue;
     Follower follower{.qpos = model.jnt_qposadr[joint],
                       .dof = model.jnt_dofadr[joint],
-                      .leader_qpos = model.jnt_qposadr[leader],
-                      .leader_dof = model.jnt_dofadr[leader]};
+                      .leader_qpos = model.jnt_qposadr[leader]};
     follower.zero_rad = model.qpos0[follower.qpos];
     follower.leader_zero_rad = model.qpos0[follower.leader_qpos];
     for (int power = 0; power < 5; ++power) {

@@ -14,7 +14,6 @@ struct Follower {
   int qpos = 0;
   int dof = 0;
   int leader_qpos = 0;
-  int leader_dof = 0;
   double zero_rad = 0.0;
   double leader_zero_rad = 0.0;
   double coefficient[5] = {};

@@ -138,11 +138,9 @@ CableWay Hand::State::Way(const Cable& cable, std::vector<double>& arm_m) const 
   way.excess_m -= cable.natural_length_m;
   for (std::size_t i = 0; i < arm_m.size(); ++i) {
     const Crossing& crossing = cable.crossings[i];
-    const bool crosses_freely = !hand->config().cable.interference && !crossing.own;
-    const double more_m = crosses_freely ? -crossing.moment_arm_m : crossing.arm_error_m;
-    arm_m[i] = crosses_freely ? 0.0 : arm_m[i] + crossing.arm_error_m;
-    way.excess_m += more_m * (data->qpos[crossing.qpos] - crossing.reference_rad);
-    way.rate_m_s += more_m * data->qvel[crossing.dof];
+    arm_m[i] += crossing.arm_error_m;
+    way.excess_m += crossing.arm_error_m * (data->qpos[crossing.qpos] - crossing.reference_rad);
+    way.rate_m_s += crossing.arm_error_m * data->qvel[crossing.dof];
   }
   return way;
 }

@@ -30,9 +30,6 @@ void CableConfig::Visit(SettingsVisitor& visitor) {
        "backlash of the drum, or of a joint without cables, on the motor's shaft, end to end", 0,
        30},
       backlash_deg);
-  visitor.Flag(
-      {"interference", "cables that cross a joint on their way move it and are moved by it"},
-      interference);
 }
 
 void AssemblyErrorConfig::Visit(SettingsVisitor& visitor) {

@@ -20,7 +20,6 @@ struct CableConfig {
   std::vector<double> slack_mm = {0.0};  // and this much too long: for all motors, or for each
   double capstan_friction = 0.04;        // coefficient of friction on pulleys and guides; 0 is off
   double backlash_deg = 0.0;             // play of the drum on the motor's shaft, end to end
-  bool interference = true;              // off: cables cross other joints without moving them
 
   void Visit(controller::SettingsVisitor& visitor);
 };

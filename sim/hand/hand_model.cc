@@ -88,11 +88,10 @@ std::vector<HandJoint> MovedJoints(const std::vector<HandJoint>& all,
 }
 
 /// Adds to d spool / d joint what this cable says when it keeps its length, times `share`.
-void AddCoupling(const Cable& cable, double share, double radius_m, bool interference,
+void AddCoupling(const Cable& cable, double share, double radius_m,
                  const std::vector<HandJoint>& joints, const std::vector<Follower>& followers,
                  std::span<double> row) {
   for (const Crossing& crossing : cable.crossings) {
-    if (!interference && !crossing.own) continue;
     const Leading leading = LeadingOf(crossing.qpos, followers);
     for (std::size_t joint = 0; joint < joints.size(); ++joint) {
       if (joints[joint].qpos != leading.qpos) continue;
@@ -243,7 +242,7 @@ TendonTransmission MakeTransmission(const HandConfig& config, const std::vector<
     const auto row = std::span(transmission.coupling).subspan(motor * joints.size(), joints.size());
     for (const Cable& cable : drive.cables) {
       AddCoupling(cable, 1.0 / static_cast<double>(drive.cables.size()), drive.drum_radius_m,
-                  config.cable.interference, joints, followers, row);
+                  joints, followers, row);
     }
     AddCoupling(drive.shaft, joints, followers, row);
     const bool moves = std::ranges::any_of(row, [](double turn) { return std::abs(turn) > 1e-3; });
@@ -338,8 +337,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   });
   transmission_ =
       InModelFile(path, [&] { return MakeTransmission(config, joints_, followers_, drives_); });
-  center_error_rad_ = AssembleWithErrors(config.assembly_error, config.cable.interference, joints_,
-                                         followers_, drives_);
+  center_error_rad_ = AssembleWithErrors(config.assembly_error, joints_, followers_, drives_);
   as_built_ = MakeTransmission(config, joints_, followers_, drives_);
   ScaleFriction(config.motor_friction_scale, drives_);
   if (std::ranges::any_of(drives_, &Drive::has_shaft)) UpdateConstants(*model_);

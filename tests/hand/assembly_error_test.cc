@@ -139,19 +139,6 @@ TEST(AssemblyError, LeavesAHandAtRestInThePostureInWhichItBegins) {
   }
 }
 
-TEST(AssemblyError, SparesJointsThatACableDoesNotFeel) {
-  HandConfig config = WithErrors({.moment_arm_percent = 5.0});
-  config.cable.interference = false;
-  const auto built = MakeModel(config);
-  for (const Drive& drive : built->drives()) {
-    for (const Cable& cable : drive.cables) {
-      for (const Crossing& crossing : cable.crossings) {
-        EXPECT_EQ(crossing.arm_error_m != 0.0, crossing.own) << cable.name;
-      }
-    }
-  }
-}
-
 TEST(AssemblyError, ThatNoWorkshopMakesIsRefused) {
   EXPECT_THROW(MakeModel(WithErrors({.drum_radius_percent = 10.1})), controller::SettingError);
   EXPECT_THROW(MakeModel(WithErrors({.moment_arm_percent = -1.0})), controller::SettingError);
