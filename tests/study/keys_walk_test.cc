@@ -62,8 +62,6 @@ const std::vector<std::string> kOddEvents = {"event.period_ms=7.3"};
 const std::vector<std::string> kNoLoss = {"event.loss_percent=0"};
 const std::vector<std::string> kGloveLink = {"link.glove.preset=none"};
 const std::vector<std::string> kHandLink = {"link.hand.preset=none"};
-const std::vector<std::string> kGloveBuffer = {"link.glove.receiver=buffer"};
-const std::vector<std::string> kHandBuffer = {"link.hand.receiver=buffer"};
 const std::vector<std::string> kShort = {"glove.motion.duration_s=0.03"};
 const std::vector<std::string> kFive = {
     "glove.channels=[thumb_ip, index_pip, middle_pip, ring_pip, little_pip]"};
@@ -118,9 +116,6 @@ const std::vector<Step>& Walk() {
       {"link.glove.frame_ms=1000", kChanges, {}, kGloveLink},
       {"link.glove.batch_ms=0", kKeeps, {}, kGloveLink},
       {"link.glove.batch_ms=1000", kChanges, {}, kGloveLink},
-      {"link.glove.clock_offset_ms=-1000000000", kKeeps, {}, kGloveLink},
-      {"link.glove.clock_offset_ms=1000000000", kKeeps, {}, kGloveBuffer},
-      {"link.glove.clock_offset_ms=1000000001", kRefused},
       {"link.hand.delay.delay_ms=0", kKeeps, {}, kHandLink},
       {"link.hand.delay.delay_ms=10000", kChanges, {}, kHandLink},
       {"link.hand.delay.delay_ms=10001", kRefused},
@@ -128,9 +123,6 @@ const std::vector<Step>& Walk() {
       {"link.hand.frame_ms=1000", kChanges, {}, kHandLink},
       {"link.hand.batch_ms=0", kKeeps, {}, kHandLink},
       {"link.hand.batch_ms=1000", kChanges, {}, kHandLink},
-      {"link.hand.clock_offset_ms=-1000000000", kKeeps, {}, kHandLink},
-      {"link.hand.clock_offset_ms=1000000000", kKeeps, {}, kHandBuffer},
-      {"link.hand.clock_offset_ms=1000000001", kRefused},
       // Physics and servos.
       {"hand.step_ms=0.01", kChanges, {}, kShort},
       {"hand.step_ms=0.3", kChanges},

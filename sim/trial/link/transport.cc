@@ -22,8 +22,7 @@ std::size_t PoolSize(const TransportConfig& config, const LinkEnds& ends,
                      const controller::Timing& timing) {
   const double ticks = ends.fixed_delay_ticks + timing.TicksOf(LongestWayMs(config));
   const double flights = ticks / std::max(1.0, std::floor(ends.period_ticks)) + 3.0;
-  const int copies = config.duplicates_percent > 0.0 ? 2 : 1;
-  return copies * (static_cast<std::size_t>(flights) + ends.waiting_frames);
+  return static_cast<std::size_t>(flights) + ends.waiting_frames;
 }
 
 }  // namespace
@@ -38,10 +37,8 @@ Transport::Transport(const TransportConfig& config, const LinkEnds& ends,
       name_(ends.name),
       frame_ticks_(timing.TicksOf(config.frame_ms)),
       batch_ticks_(timing.TicksOf(config.batch_ms)),
-      offset_ticks_(timing.TicksOf(config.clock_offset_ms)),
       delay_(config.delay, Stream(seed, ends.name, "delay")),
       loss_(config.loss, Stream(seed, ends.name, "loss")),
-      duplicates_(Stream(seed, ends.name, "duplicates")),
       pool_(PoolSize(config, ends, timing), ends.values) {
   GAUNTLET_ASSERT(ends.values > 0 && ends.period_ticks > 0.0 && ends.waiting_frames > 0);
   flights_.reserve(PoolSize(config, ends, timing));
@@ -52,7 +49,6 @@ Transport::Transport(const TransportConfig& config, const LinkEnds& ends,
 void Transport::Reset() {
   delay_ = DelayDraw(config_.delay, Stream(seed_, name_, "delay"));
   loss_ = LossDraw(config_.loss, Stream(seed_, name_, "loss"));
-  duplicates_ = Stream(seed_, name_, "duplicates");
   batch_phase_ticks_ = batch_ticks_ * Stream(seed_, name_, "batch phase").Uniform();
   pool_.Reset();
   flights_.clear();
@@ -66,24 +62,11 @@ void Transport::Send(std::int64_t tick, std::int64_t origin_tick,
   const auto now = static_cast<double>(tick);
   const LinkFrame frame{.number = next_number_++,
                         .origin_tick = origin_tick,
-                        .stamp_ticks = now + 1e-6 * config_.clock_drift_ppm * now + offset_ticks_,
+                        .stamp_ticks = now + 1e-6 * config_.clock_drift_ppm * now,
                         .values = values};
   const bool is_lost = loss_.Next();
-  const bool is_double = config_.duplicates_percent > 0.0 &&
-                         100.0 * duplicates_.Uniform() < config_.duplicates_percent;
-  if (is_lost) {
-    ++lost_frames_;
-    delay_.Next();  // the draws of the next frames stay theirs
-    if (is_double) delay_.Next();
-    return;
-  }
-  SendCopy(tick, frame);
-  if (is_double) SendCopy(tick, frame);
-}
-
-void Transport::SendCopy(std::int64_t tick, const LinkFrame& frame) noexcept {
-  const double delay_ms = delay_.Next();
-  if (delay_ms > kLongestDelayMs) {
+  const double delay_ms = delay_.Next();  // of a lost frame, too: the next draws stay theirs
+  if (is_lost || delay_ms > kLongestDelayMs) {
     ++lost_frames_;
     return;
   }
@@ -93,7 +76,6 @@ void Transport::SendCopy(std::int64_t tick, const LinkFrame& frame) noexcept {
     ++lost_frames_;
     return;
   }
-  const auto now = static_cast<double>(tick);
   if (frame_ticks_ == 0.0) return Start(now, delay_ticks, place);
   const Waiting added{.sent_tick = now, .delay_ticks = delay_ticks, .place = place};
   StartWaiting(tick);

@@ -75,7 +75,6 @@ class Transport {
     return a.arrival_tick != b.arrival_tick ? a.arrival_tick > b.arrival_tick : a.order > b.order;
   }
 
-  void SendCopy(std::int64_t tick, const LinkFrame& frame) noexcept;
   void StartWaiting(std::int64_t tick) noexcept;
   void Start(double start_tick, double delay_ticks, int place) noexcept;
   void Lose(int place) noexcept;
@@ -88,11 +87,9 @@ class Transport {
   std::string_view name_;
   double frame_ticks_;
   double batch_ticks_;
-  double offset_ticks_;
   double batch_phase_ticks_ = 0.0;
   DelayDraw delay_;
   LossDraw loss_;
-  RandomStream duplicates_;
   FramePool pool_;
   std::vector<Flight> flights_;   // a heap, the earliest first
   std::vector<Waiting> waiting_;  // in order

@@ -13,14 +13,12 @@ struct TransportConfig {
   LossConfig loss = {};
   double frame_ms = 0.0;  // for which a frame occupies the link
   double batch_ms = 0.0;
-  double duplicates_percent = 0.0;
   bool reorders = false;
   double clock_drift_ppm = 0.0;
-  double clock_offset_ms = 0.0;
 
   /// True if the delays of two frames can differ, apart from the time for which one is occupied.
   bool has_jitter() const;
-  /// Every frame with the mean delay and the time of a true clock, none twice.
+  /// Every frame with the mean delay and the time of a true clock.
   TransportConfig WithoutJitter() const;
   void Visit(controller::SettingsVisitor& visitor);
 };
