@@ -24,6 +24,7 @@
 #include "sim/tables/message_file.h"
 #include "sim/tables/message_table.h"
 #include "sim/tables/numpy_file.h"
+#include "sim/tables/octave_text.h"
 #include "sim/tables/parquet_file.h"
 #include "sim/tables/rosbag_file.h"
 #include "sim/tables/source_bytes.h"
@@ -53,6 +54,7 @@ std::vector<NamedArray> ReadParquets(const std::vector<std::string>& files) {
       continue;
     }
     for (NamedArray& whole : all) {
+      if (!whole.left_out.empty()) continue;
       const auto part = std::ranges::find(arrays, whole.name, &NamedArray::name);
       if (part == arrays.end() || part->columns != whole.columns) {
         throw UserError(
@@ -102,7 +104,9 @@ std::vector<NamedArray> ArraysOf(const fs::path& file, FileFormat format, const 
       return ReadNpz(BytesOfOnly(file));
     case FileFormat::kJson:
       return ReadJsonArrays(BytesOfOnly(file));
-    case FileFormat::kMat5:
+    case FileFormat::kOctave:
+      return ReadOctaveText(BytesOfOnly(file));
+    case FileFormat::kMat:
       return ReadMatArrays(file);
     case FileFormat::kParquet: {
       std::vector<std::string> files;
@@ -290,8 +294,8 @@ std::vector<ListedTopic> TopicsIn(const fs::path& file, const std::string& topic
 std::vector<ListedArray> ArraysIn(const fs::path& file, const std::string& array) {
   const FileFormat format = ReadableFormat(file);
   if (!HasArrays(format)) return {};
-  HelperText helper(file, format, {}, [&array](const auto& arrays, const auto& write) {
-    for (const auto& [name, rows, columns, is_taken] : ListArrays(arrays, array)) {
+  HelperText helper(file, format, {}, [&array](std::vector<NamedArray> arrays, const auto& write) {
+    for (const auto& [name, rows, columns, is_taken] : ListArrays(std::move(arrays), array)) {
       write(fmt::format("{} {} {} {}\n", rows, columns, is_taken ? 1 : 0, OneLine(name)));
     }
   });

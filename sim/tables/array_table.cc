@@ -5,21 +5,28 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
+#include <set>
 
+#include "controller/assert.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/tables/csv_reader.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {
 
+constexpr std::size_t kMostSensors = 64;  // of any glove
+
 /// Far more columns than any glove has sensors.
 bool LiesOnItsSide(const NamedArray& array) {
-  constexpr std::size_t kMostSensors = 64;
-  return array.rows <= kMostSensors && array.columns > 2 * array.rows &&
+  return array.is_flat && array.rows <= kMostSensors && array.columns > 2 * array.rows &&
          (array.rows == 1 || array.columns > kMostSensors);
 }
 
@@ -116,7 +123,10 @@ void MarkChosen(const std::vector<NamedArray>& arrays, std::string_view chosen,
 }
 
 /// Leaves marked what has the number of rows that holds the most values; gives that number.
-std::size_t KeepMostRows(const std::vector<NamedArray>& arrays, std::vector<ListedArray>& listed) {
+/// `left_out`: lines about arrays that are not read.
+std::size_t KeepMostRows(const std::vector<NamedArray>& arrays,
+                         const std::vector<std::string>& left_out,
+                         std::vector<ListedArray>& listed) {
   std::map<std::size_t, std::size_t> values_of_rows;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     if (!listed[i].is_taken || RowsOf(arrays[i]) < 2) continue;
@@ -124,7 +134,10 @@ std::size_t KeepMostRows(const std::vector<NamedArray>& arrays, std::vector<List
   }
   const auto most =
       std::ranges::max_element(values_of_rows, {}, [](const auto& entry) { return entry.second; });
-  if (most == values_of_rows.end()) throw UserError("holds no array of numbers with two rows");
+  if (most == values_of_rows.end()) {
+    throw UserError(fmt::format("holds no array of numbers with two rows{}{}",
+                                left_out.empty() ? "" : "; ", fmt::join(left_out, "; ")));
+  }
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     listed[i].is_taken = listed[i].is_taken && RowsOf(arrays[i]) == most->first;
   }
@@ -153,17 +166,50 @@ void AddTimes(const std::vector<NamedArray>& arrays, std::size_t rows,
 
 /// Errors: UserError if several cells of one cell array are marked.
 void CheckCells(const std::vector<NamedArray>& arrays, const std::vector<ListedArray>& listed) {
-  std::map<std::string, std::vector<ListedArray>> cells;
+  struct Cells {
+    std::set<std::string> names;
+    std::vector<ListedArray> arrays;
+  };
+  std::map<std::string, Cells> cells;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
-    if (listed[i].is_taken && !arrays[i].cells_of.empty()) {
-      cells[arrays[i].cells_of].push_back(listed[i]);
-    }
+    if (!listed[i].is_taken || arrays[i].cells_of.empty()) continue;
+    Cells& of = cells[arrays[i].cells_of];
+    of.names.insert(arrays[i].cell);
+    of.arrays.push_back(listed[i]);
   }
   for (const auto& [name, of] : cells) {
-    if (of.size() < 2) continue;
-    throw UserError(fmt::format("has {} cells in {}: {}; --array NAME takes one", of.size(),
-                                OneLine(name, 60), TextOf(of)));
+    if (of.names.size() < 2) continue;
+    const bool is_array = of.arrays.size() == of.names.size();
+    throw UserError(fmt::format("has {} cells in {}: {}; --array {} takes one", of.names.size(),
+                                OneLine(name, 60), TextOf(of.arrays),
+                                is_array ? "NAME" : OneLine(*of.names.begin(), 60)));
   }
+}
+
+bool IsLeftOut(const NamedArray& array) { return !array.left_out.empty(); }
+
+/// Removes the arrays that are left out, and returns a line for each reason: `left out: a, b
+/// (complex numbers)`. Errors: UserError if the chosen one is among them.
+std::vector<std::string> TakeLeftOut(std::vector<NamedArray>& arrays, std::string_view chosen) {
+  constexpr std::size_t kMostNames = 8;
+  std::map<std::string, std::vector<std::string>> names_of;  // by reason
+  for (const NamedArray& array : arrays) {
+    if (!IsLeftOut(array)) continue;
+    const std::string reason = OneLine(array.left_out, 100);
+    if (!chosen.empty() && Plain(array.name) == Plain(std::string(chosen))) {
+      throw UserError(fmt::format("holds {}, which is left out ({})", Shown(chosen), reason));
+    }
+    names_of[reason].push_back(OneLine(array.name, 60));
+  }
+  std::erase_if(arrays, IsLeftOut);
+  std::vector<std::string> lines;
+  for (auto& [reason, names] : names_of) {
+    const std::size_t more = names.size() - std::min(names.size(), kMostNames);
+    names.resize(names.size() - more);
+    lines.push_back(fmt::format("left out: {}{} ({})", fmt::join(names, ", "),
+                                more > 0 ? fmt::format(" and {} more", more) : "", reason));
+  }
+  return lines;
 }
 
 /// Without the group that was chosen, or the group of a time.
@@ -174,9 +220,25 @@ std::string NameInTable(const NamedArray& array, std::string_view chosen) {
   return name.substr(GroupOfTime(array).value_or("").size());
 }
 
+/// ListArrays() for arrays that are all read; `left_out`: lines about others.
+std::vector<ListedArray> Listed(const std::vector<NamedArray>& arrays,
+                                const std::vector<std::string>& left_out, std::string_view chosen) {
+  std::vector<ListedArray> listed;
+  for (const NamedArray& array : arrays) {
+    listed.push_back(
+        {.name = array.name, .rows = array.rows, .columns = array.columns, .is_taken = true});
+  }
+  if (!chosen.empty()) MarkChosen(arrays, chosen, listed);
+  const std::size_t rows = KeepMostRows(arrays, left_out, listed);
+  CheckCells(arrays, listed);
+  if (!chosen.empty()) AddTimes(arrays, rows, listed);
+  return listed;
+}
+
 /// The arrays of the table, upright and with their names in it.
-std::vector<NamedArray> Taken(std::vector<NamedArray> arrays, std::string_view chosen) {
-  const std::vector<ListedArray> listed = ListArrays(arrays, chosen);
+std::vector<NamedArray> Taken(std::vector<NamedArray> arrays,
+                              const std::vector<std::string>& left_out, std::string_view chosen) {
+  const std::vector<ListedArray> listed = Listed(arrays, left_out, chosen);
   std::vector<NamedArray> taken;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     if (!listed[i].is_taken) continue;
@@ -219,6 +281,76 @@ std::string UnitIn(const NamedArray& texts) {
 
 }  // namespace
 
+void SetValues(NamedArray& array, std::vector<double> values, std::vector<std::size_t> shape,
+               ArrayOrder order) {
+  array.is_flat = shape.size() < 3;
+  if (shape.empty()) shape = {1};
+  std::vector<std::size_t> strides(shape.size());
+  std::size_t stride = 1;
+  for (std::size_t d = 0; d < shape.size(); ++d) {
+    const std::size_t axis = order == ArrayOrder::kColumns ? d : shape.size() - 1 - d;
+    strides[axis] = stride;
+    stride *= shape[axis];
+  }
+  GAUNTLET_ASSERT(stride == values.size());
+  std::vector<std::size_t> axes(shape.size());
+  std::iota(axes.begin(), axes.end(), std::size_t{0});
+  if (!array.is_flat) {
+    const auto longest = std::ranges::max_element(shape) - shape.begin();
+    const bool has_few = shape.front() <= kMostSensors && shape[longest] > kMostSensors;
+    if (has_few) std::rotate(axes.begin(), axes.begin() + longest, axes.begin() + longest + 1);
+    constexpr std::size_t kCoordinates = 3;
+    const bool has_coordinates_first =
+        axes.size() == 3 && shape[axes[1]] == kCoordinates && shape[axes[2]] > kCoordinates;
+    if (has_coordinates_first) std::swap(axes[1], axes[2]);
+  }
+  array.rows = shape[axes.front()];
+  array.columns = stride / std::max<std::size_t>(array.rows, 1);
+  const bool is_in_place =
+      order == ArrayOrder::kRows ? std::ranges::is_sorted(axes) : array.columns == 1;
+  if (is_in_place) {
+    array.values = std::move(values);
+    return;
+  }
+  array.values.resize(values.size());
+  std::vector<std::size_t> place(shape.size(), 0);  // of a value, by axis
+  std::size_t from = 0;
+  for (double& value : array.values) {
+    value = values[from];
+    for (std::size_t d = axes.size(); d-- > 0;) {
+      const std::size_t axis = axes[d];
+      from += strides[axis];
+      if (++place[axis] < shape[axis]) break;
+      from -= strides[axis] * shape[axis];
+      place[axis] = 0;
+    }
+  }
+}
+
+std::size_t CountOfRange(double base, double limit, double increment) {
+  constexpr double kMost = 1e8;
+  const double steps =
+      std::floor((limit - base) / increment * (1.0 + 4.0 * std::numeric_limits<double>::epsilon()));
+  return steps >= 0.0 && steps < kMost ? static_cast<std::size_t>(steps) + 1 : 0;
+}
+
+NamedArray RangeArray(const std::string& name, double base, double limit, double increment,
+                      std::size_t count) {
+  NamedArray array{.name = name, .rows = count, .values = {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    const double value = base + static_cast<double>(i) * increment;
+    array.values.push_back(increment < 0.0 ? std::max(value, limit) : std::min(value, limit));
+  }
+  return array;
+}
+
+std::string NameOfTimes(const std::string& name, std::string_view unit) {
+  const std::string whole = fmt::format("{}_{}", name, unit);
+  const std::string last = name.substr(name.rfind('_') + 1);
+  const bool is_time = TimeScaleS(whole) || TimeScaleS(fmt::format("{}_{}", last, unit));
+  return is_time ? whole : fmt::format("{}_time_{}", name, unit);
+}
+
 std::vector<NamedArray> WithFacts(std::vector<NamedArray> arrays) {
   const auto is_texts = [](const NamedArray& array) { return !array.texts.empty(); };
   for (const NamedArray& texts : arrays) {
@@ -260,24 +392,16 @@ std::string TextOf(const std::vector<ListedArray>& arrays) {
   return text;
 }
 
-std::vector<ListedArray> ListArrays(const std::vector<NamedArray>& arrays,
-                                    std::string_view chosen) {
-  std::vector<ListedArray> listed;
-  for (const NamedArray& array : arrays) {
-    listed.push_back(
-        {.name = array.name, .rows = array.rows, .columns = array.columns, .is_taken = true});
-  }
-  if (!chosen.empty()) MarkChosen(arrays, chosen, listed);
-  const std::size_t rows = KeepMostRows(arrays, listed);
-  CheckCells(arrays, listed);
-  if (!chosen.empty()) AddTimes(arrays, rows, listed);
-  return listed;
+std::vector<ListedArray> ListArrays(std::vector<NamedArray> arrays, std::string_view chosen) {
+  const std::vector<std::string> left_out = TakeLeftOut(arrays, chosen);
+  return Listed(arrays, left_out, chosen);
 }
 
 void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen,
                 const std::function<void(std::string_view)>& write) {
+  const std::vector<std::string> left_out = TakeLeftOut(arrays, chosen);
   const double rate_hz = RateIn(arrays);
-  arrays = Taken(std::move(arrays), chosen);
+  arrays = Taken(std::move(arrays), left_out, chosen);
   const std::size_t rows = arrays.front().rows;
 
   std::vector<std::string> names;
@@ -300,6 +424,9 @@ void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen,
       }
     }
     text.push_back('\n');
+    if (row + 1 == kRowsBeforeRemarks && chosen.empty()) {
+      for (const std::string& line : left_out) fmt::format_to(out, "{}", RemarkLine(line));
+    }
     constexpr std::size_t kBlockBytes = std::size_t{1} << 16;
     if (text.size() < kBlockBytes && row + 1 < rows) continue;
     write({text.data(), text.size()});

@@ -15,11 +15,33 @@ struct NamedArray {
   std::size_t columns = 1;
   std::vector<double> values;                  // row by row
   std::vector<std::string> column_names = {};  // empty: name_1, name_2 ..
-  std::string cells_of = {};                   // the cell array that it is a cell of; empty: none
-  std::vector<std::string> texts = {};         // of an array of texts, which has no values
+  std::string cell = {};      // cell, or element of a struct array, that it is in; empty: none
+  std::string cells_of = {};  // the cell array or struct array of this cell
+  std::vector<std::string> texts = {};  // of an array of texts, which has no values
+  std::string left_out = {};  // why its values are not read, behind its name; empty: they are
+  bool is_flat = true;        // of one or two dimensions
 };
 
-/// Only the arrays of numbers, with what the texts beside them tell: names of the columns (as in
+/// Order of the values of an array: the last dimension changes first, as in C, or the first one, as
+/// in Fortran and MATLAB.
+enum class ArrayOrder { kRows, kColumns };
+
+/// Gives an array its values and dimensions. Rows are those of the first dimension; of three and
+/// more dimensions those of the longest, if the first has at most 64. Columns are the other
+/// dimensions, the last changes first: three coordinates in front of points are put behind them.
+/// Shapes: as many values as the product of `shape`.
+void SetValues(NamedArray& array, std::vector<double> values, std::vector<std::size_t> shape,
+               ArrayOrder order);
+
+/// Numbers of `base:increment:limit` in Octave and MATLAB: none for a range that does not end.
+std::size_t CountOfRange(double base, double limit, double increment);
+NamedArray RangeArray(const std::string& name, double base, double limit, double increment,
+                      std::size_t count);
+
+/// Name of a column of times with their unit: `stamp` in ns is `stamp_time_ns`.
+std::string NameOfTimes(const std::string& name, std::string_view unit);
+
+/// Without the arrays of texts, but with their facts: names of the columns (as in
 /// `sensornames`, one for each) and the unit (`rad` in `angleunit`) behind the names.
 std::vector<NamedArray> WithFacts(std::vector<NamedArray> arrays);
 
@@ -40,14 +62,16 @@ std::string TextOf(const std::vector<ListedArray>& arrays);
 /// `chosen` is the name of an array or, if there is none, of a group, with which the names of its
 /// arrays begin; `/` and `.` count as `_`. Then only these are taken and, unless one of them is a
 /// time, times with as many rows: those of the same group, or else the first.
-/// Errors: UserError that lists all if there is none of that name; one if none has two rows; one if
-/// several cells of a cell array are left, which are recordings and no parts of one.
-std::vector<ListedArray> ListArrays(const std::vector<NamedArray>& arrays, std::string_view chosen);
+/// Errors: UserError that lists all if there is none of that name, or with the reason why that one
+/// is left out; one if none has two rows; one if several cells of a cell array or elements of a
+/// struct array remain, which are recordings and no parts of one.
+std::vector<ListedArray> ListArrays(std::vector<NamedArray> arrays, std::string_view chosen);
 
 /// One table of text with a line of names, of the arrays that ListArrays() takes, side by side in
 /// their order. What was chosen by its group has names without it, and so have times. A lone number
 /// called fs, rate or the like is the rate, one called frame_duration or the like its inverse (up
-/// to 0.1 in s, from 1 in ms): the table begins with a time then, unless it has one.
+/// to 0.1 in s, from 1 in ms): the table begins with a time then, unless it has one. A remark lists
+/// the arrays that are left out, unless one is chosen.
 /// Errors: as ListArrays().
 void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen,
                 const std::function<void(std::string_view)>& write);

@@ -15,6 +15,7 @@
 #include "sim/base/text.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/echo_file.h"
+#include "sim/tables/octave_text.h"
 #include "sim/tables/source_bytes.h"
 #include "sim/tables/time_columns.h"
 
@@ -51,7 +52,7 @@ struct FormatFacts {
   std::string_view way_out = "";
 };
 const FormatFacts& FactsOf(FileFormat format) {
-  static constexpr std::array<FormatFacts, 22> kFacts = {{
+  static constexpr std::array<FormatFacts, 23> kFacts = {{
       {FileFormat::kText, "text"},
       {FileFormat::kUtf16, "UTF-16 text"},
       {FileFormat::kBvh, "BVH"},
@@ -59,7 +60,7 @@ const FormatFacts& FactsOf(FileFormat format) {
       {FileFormat::kJson, "JSON"},
       {FileFormat::kNpy, "NPY of NumPy"},
       {FileFormat::kNpz, "NPZ of NumPy"},
-      {FileFormat::kMat5, "MAT of MATLAB"},
+      {FileFormat::kMat, "MAT of MATLAB"},
       {FileFormat::kHdf5, "HDF5"},
       {FileFormat::kXlsx, "XLSX", "save the sheet as CSV"},
       {FileFormat::kZip, "ZIP", "unpack it and give the file that is in it"},
@@ -70,6 +71,7 @@ const FormatFacts& FactsOf(FileFormat format) {
       {FileFormat::kRosBag, "a ROS 1 bag",
        "write a topic as CSV: rostopic echo -b FILE -p /TOPIC > TOPIC.csv"},
       {FileFormat::kMcap, "MCAP"},
+      {FileFormat::kOctave, "text of Octave"},
       {FileFormat::kParquet, "Parquet"},
       {FileFormat::kLfsPointer, "a pointer of Git LFS", "fetch the file itself: git lfs pull"},
       {FileFormat::kVideo, "a video",
@@ -196,6 +198,31 @@ std::vector<fs::path> BagFiles(const fs::path& folder) {
 
 }  // namespace
 
+bool IsMat4(std::string_view head) {
+  constexpr std::size_t kNumbers = 20;
+  if (head.size() < kNumbers) return false;
+  const auto number = [head](std::size_t place, bool is_big) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto byte = static_cast<std::uint8_t>(head[place + (is_big ? 3 - i : i)]);
+      value |= std::uint32_t{byte} << (8 * i);
+    }
+    return value;
+  };
+  for (const bool is_big : {false, true}) {
+    constexpr std::uint32_t kBig = 1000, kMostName = 64;
+    const std::uint32_t type = number(0, is_big) - (is_big ? kBig : 0);
+    const std::uint32_t name = number(16, is_big);
+    if (type > 52 || type % 10 > 2 || number(12, is_big) > 1) continue;
+    if (name < 2 || name > kMostName || head.size() < kNumbers + name) continue;
+    const std::string_view letters = head.substr(kNumbers, name - 1);
+    const bool is_name = std::ranges::all_of(
+        letters, [](unsigned char letter) { return std::isalnum(letter) != 0 || letter == '_'; });
+    if (is_name && head[kNumbers + name - 1] == '\0') return true;
+  }
+  return false;
+}
+
 FileFormat FormatOfBytes(std::string_view head) {
   if (head.empty()) return FileFormat::kEmpty;
   for (const Signature& signature : kSignatures) {
@@ -212,8 +239,9 @@ FileFormat FormatOfBytes(std::string_view head) {
     const std::string_view order = head.substr(kEndOfMatText, 2);
     // MAT 7.3 has 512 bytes of its own before those of HDF5.
     if (head.starts_with("MATLAB 7.3")) return FileFormat::kHdf5;
-    if (order == "IM" || order == "MI") return FileFormat::kMat5;
+    if (order == "IM" || order == "MI") return FileFormat::kMat;
   }
+  if (IsMat4(head)) return FileFormat::kMat;
   constexpr int kTextPerZero = 20;  // a broken line of text may hold some
   if (std::ranges::count(head, '\0') * kTextPerZero > std::ssize(head)) return FileFormat::kBinary;
   const std::size_t first = std::min(head.find_first_not_of(" \t\r\n"), head.size());
@@ -221,6 +249,7 @@ FileFormat FormatOfBytes(std::string_view head) {
     return FileFormat::kUrdf;
   }
   if (IsBvh(head)) return FileFormat::kBvh;
+  if (IsOctaveText(head)) return FileFormat::kOctave;
   if (IsEcho(head)) return FileFormat::kRosEcho;
   return IsJson(head) ? FileFormat::kJson : FileFormat::kText;
 }

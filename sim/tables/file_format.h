@@ -17,7 +17,7 @@ enum class FileFormat {
   kJson,
   kNpy,
   kNpz,
-  kMat5,
+  kMat,
   kHdf5,  // MAT 7.3 and trace.h5 included
   kXlsx,
   kZip,
@@ -27,6 +27,7 @@ enum class FileFormat {
   kRosBag,   // of ROS 1
   kRosEcho,  // printed messages
   kMcap,
+  kOctave,  // text
   kParquet,
   kLfsPointer,
   kVideo,
@@ -34,6 +35,9 @@ enum class FileFormat {
   kBinary,
 };
 
+/// True for the beginning of a MAT file of level 4, which has no signature: a head of five numbers
+/// and the name of the first variable.
+bool IsMat4(std::string_view head);
 /// `head`: the first bytes of the file, some hundreds if it has as many.
 FileFormat FormatOfBytes(std::string_view head);
 /// A folder has the format of its DataSetFiles().

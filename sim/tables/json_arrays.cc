@@ -21,6 +21,34 @@ namespace {
 constexpr int kDeepest = 100;
 constexpr std::size_t kMostColumns = 1000;
 
+/// NaN and infinities, which Python and others write without quotes, become null.
+std::string WithoutNaN(std::string_view text) {
+  std::string valid;
+  bool is_text = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char letter = text[i];
+    if (letter == '"') is_text = !is_text;
+    if (is_text && letter == '\\' && i + 1 < text.size()) valid += text[i++];
+    std::size_t length = 0;
+    for (const std::string_view word : {"NaN", "nan", "Infinity", "-Infinity"}) {
+      if (!is_text && text.substr(i).starts_with(word)) length = word.size();
+    }
+    if (length > 0) {
+      valid += "null";
+      i += length - 1;
+    } else {
+      valid += text[i];
+    }
+  }
+  return valid;
+}
+
+Json Parsed(std::string_view text) {
+  Json value = Json::parse_or_discard(text);
+  if (value.is_discarded()) value = Json::parse_or_discard(WithoutNaN(text));
+  return value;
+}
+
 std::string Join(const std::string& path, const std::string& key) {
   return path.empty() ? key : path + "_" + key;
 }
@@ -151,7 +179,7 @@ void Collect(const std::string& path, const Json& value, int depth,
 }  // namespace
 
 std::vector<NamedArray> ReadJsonArrays(std::string_view text) {
-  const Json whole = Json::parse_or_discard(text);
+  const Json whole = Parsed(text);
   std::vector<NamedArray> arrays;
   if (!whole.is_discarded()) {
     Collect("", whole, 0, arrays);
@@ -162,7 +190,7 @@ std::vector<NamedArray> ReadJsonArrays(std::string_view text) {
   for (const std::string_view line : SplitLines(text)) {
     ++line_number;
     if (Trimmed(line).empty()) continue;
-    const Json row = Json::parse_or_discard(line);
+    const Json row = Parsed(line);
     if (row.is_discarded()) {
       throw UserError(fmt::format("is no JSON, nor is its line {} alone", line_number));
     }
@@ -172,7 +200,7 @@ std::vector<NamedArray> ReadJsonArrays(std::string_view text) {
 }
 
 std::vector<NamedArray> ReadJsonRow(std::string_view text) {
-  const Json value = Json::parse_or_discard(text);
+  const Json value = Parsed(text);
   if (value.is_discarded()) throw UserError("is no JSON");
   RowCollector row;
   row.AddRow(value);

@@ -19,7 +19,8 @@ namespace gauntlet::sim {
 /// Items of a list that name their hand, left or right, have that name instead of a number:
 /// `{"hands": [{"handedness": "Right", "x": 1}]}` is hands_right_x.
 ///
-/// Texts that are numbers, dates or clocks count as such: see SecondsOfText. Errors: UserError
+/// Texts that are numbers, dates or clocks count as such: see SecondsOfText. NaN and infinities
+/// without quotes are missing values. Errors: UserError
 /// without a place.
 std::vector<NamedArray> ReadJsonArrays(std::string_view text);
 

@@ -11,9 +11,12 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "sim/base/error.h"
 #include "sim/tables/damaged_file.h"
+#include "sim/tables/half_number.h"
+#include "sim/tables/missing.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -37,15 +40,35 @@ std::string_view Part(std::string_view bytes, std::size_t place, std::size_t siz
   return bytes.substr(place, size);
 }
 
+/// Values from here on.
+using Reader = void (*)(const char* place, bool swapped, std::span<double> values);
+
 template <class Number>
-double Value(const char* place, bool swapped) {
-  std::array<char, sizeof(Number)> bytes;
-  std::copy_n(place, bytes.size(), bytes.begin());
-  if (swapped) std::ranges::reverse(bytes);
-  return static_cast<double>(std::bit_cast<Number>(bytes));
+void ReadValues(const char* place, bool swapped, std::span<double> values) {
+  for (double& value : values) {
+    std::array<char, sizeof(Number)> bytes;
+    std::copy_n(place, bytes.size(), bytes.begin());
+    if (swapped) std::ranges::reverse(bytes);
+    value = static_cast<double>(std::bit_cast<Number>(bytes));
+    place += sizeof(Number);
+  }
 }
 
-using Reader = double (*)(const char*, bool);
+void ReadHalves(const char* place, bool swapped, std::span<double> values) {
+  for (double& value : values) {
+    const auto first = static_cast<std::uint8_t>(place[swapped ? 1 : 0]);
+    const auto second = static_cast<std::uint8_t>(place[swapped ? 0 : 1]);
+    value = ValueOfHalf(static_cast<std::uint16_t>(first | second << 8));
+    place += 2;
+  }
+}
+
+/// Dates and durations: the smallest number is none (NaT).
+void ReadTimes(const char* place, bool swapped, std::span<double> values) {
+  ReadValues<std::int64_t>(place, swapped, values);
+  constexpr auto kNone = static_cast<double>(std::numeric_limits<std::int64_t>::min());
+  std::ranges::replace(values, kNone, kMissing);
+}
 
 /// By kind and size, as `f8`.
 Reader ReaderOf(std::string_view type) {
@@ -53,19 +76,63 @@ Reader ReaderOf(std::string_view type) {
     std::string_view type;
     Reader reader;
   };
-  static constexpr std::array<Known, 11> kKnown = {{{"f8", Value<double>},
-                                                    {"f4", Value<float>},
-                                                    {"i1", Value<std::int8_t>},
-                                                    {"i2", Value<std::int16_t>},
-                                                    {"i4", Value<std::int32_t>},
-                                                    {"i8", Value<std::int64_t>},
-                                                    {"u1", Value<std::uint8_t>},
-                                                    {"u2", Value<std::uint16_t>},
-                                                    {"u4", Value<std::uint32_t>},
-                                                    {"u8", Value<std::uint64_t>},
-                                                    {"b1", Value<std::uint8_t>}}};
+  static constexpr std::array<Known, 14> kKnown = {{{"f8", ReadValues<double>},
+                                                    {"f4", ReadValues<float>},
+                                                    {"f2", ReadHalves},
+                                                    {"i1", ReadValues<std::int8_t>},
+                                                    {"i2", ReadValues<std::int16_t>},
+                                                    {"i4", ReadValues<std::int32_t>},
+                                                    {"i8", ReadValues<std::int64_t>},
+                                                    {"u1", ReadValues<std::uint8_t>},
+                                                    {"u2", ReadValues<std::uint16_t>},
+                                                    {"u4", ReadValues<std::uint32_t>},
+                                                    {"u8", ReadValues<std::uint64_t>},
+                                                    {"b1", ReadValues<std::uint8_t>},
+                                                    {"M8", ReadTimes},
+                                                    {"m8", ReadTimes}}};
   const auto found = std::ranges::find(kKnown, type, &Known::type);
   return found == kKnown.end() ? nullptr : found->reader;
+}
+
+/// Unit of dates and durations, as `ms` and 10 of `M8[10ms]`.
+struct DateUnit {
+  std::string_view name;  // of a column of time
+  double factor = 1.0;    // to values in this unit
+};
+
+/// None for months and years, and for dates without a unit.
+std::optional<DateUnit> DateUnitOf(std::string_view type) {
+  struct Known {
+    std::string_view unit;
+    DateUnit is;
+  };
+  static constexpr std::array<Known, 8> kKnown = {{{"ns", {"ns"}},
+                                                   {"us", {"us"}},
+                                                   {"ms", {"ms"}},
+                                                   {"s", {"s"}},
+                                                   {"m", {"s", 60.0}},
+                                                   {"h", {"s", 3600.0}},
+                                                   {"D", {"s", 86400.0}},
+                                                   {"W", {"s", 604800.0}}}};
+  const std::size_t open = type.find('[');
+  if (open == std::string_view::npos || !type.ends_with(']')) return std::nullopt;
+  std::string_view unit = type.substr(open + 1, type.size() - open - 2);
+  double count = 1.0;
+  const auto [rest, error] = std::from_chars(unit.data(), unit.data() + unit.size(), count);
+  if (error == std::errc()) unit.remove_prefix(static_cast<std::size_t>(rest - unit.data()));
+  const auto found = std::ranges::find(kKnown, unit, &Known::unit);
+  if (found == kKnown.end()) return std::nullopt;
+  return DateUnit{.name = found->is.name, .factor = count * found->is.factor};
+}
+
+/// For a person: the content of an array that is not read, by its kind.
+std::string_view NameOfKind(std::string_view type) {
+  if (type.starts_with('c')) return "complex numbers";
+  if (type.starts_with('U') || type.starts_with('S')) return "texts";
+  if (type.starts_with('O')) return "objects of Python";
+  if (type.starts_with('M') || type.starts_with('m')) return "dates without a clock";
+  if (type.starts_with('f')) return "numbers of more than 64 bits";
+  return "no numbers";
 }
 
 /// Value behind `'key':` in the header, a dictionary as Python writes it.
@@ -147,34 +214,38 @@ NamedArray ReadNpy(std::string_view bytes, const std::string& name) {
   const std::string_view header = Part(bytes, start, length);
   std::string_view type = ValueOf(header, "descr");
   if (type.size() < 2 || type.front() != '\'') {
-    throw UserError(fmt::format("{} is an array of records, which is not read", name));
+    return {.name = name, .values = {}, .left_out = "records"};
   }
   type = type.substr(1, type.find('\'', 1) - 1);
   const bool swapped = type.starts_with('>');
-  const Reader reader = type.size() < 3 ? nullptr : ReaderOf(type.substr(1));
-  if (reader == nullptr) throw UserError(fmt::format("{} is no array of numbers", name));
+  if (type.empty()) FailAsDamaged("its header has no type");
+  type.remove_prefix(1);
+  const bool is_date = type.starts_with('M') || type.starts_with('m');
+  const std::optional<DateUnit> date = is_date ? DateUnitOf(type) : std::nullopt;
+  const Reader reader = is_date ? ReaderOf(type.substr(0, 2)) : ReaderOf(type);
+  if (reader == nullptr || (is_date && !date)) {
+    return {.name = name, .values = {}, .left_out = std::string(NameOfKind(type))};
+  }
   const std::vector<std::size_t> shape = ShapeOf(header);
-  NamedArray array{.name = name, .rows = shape.empty() ? 1 : shape.front(), .values = {}};
   const std::string_view data = bytes.substr(start + length);
-  const std::size_t width = static_cast<std::size_t>(type[2] - '0');
-  const std::size_t most = data.size() / width;
-  for (std::size_t i = 1; i < shape.size(); ++i) {
-    if (shape[i] > most) FailAsDamaged("its shape is larger than the file");
-    array.columns *= shape[i];
-    if (array.columns > most) FailAsDamaged("its shape is larger than the file");
+  const std::size_t most = data.size() / static_cast<std::size_t>(type[1] - '0');
+  if (std::ranges::find(shape, 0U) != shape.end()) {
+    return {.name = name, .values = {}, .left_out = "empty"};
   }
-  if (array.columns == 0 || array.rows > most / array.columns) {
-    FailAsDamaged("its shape is larger than the file");
+  std::size_t count = 1;
+  for (const std::size_t size : shape) {
+    if (size > most / count) FailAsDamaged("its shape is larger than the file");
+    count *= size;
   }
-  array.values.resize(array.rows * array.columns);
+  if (count > most) FailAsDamaged("its shape is larger than the file");
+  std::vector<double> values(count);
+  reader(data.data(), swapped, values);
+  NamedArray array{.name = date ? NameOfTimes(name, date->name) : name, .values = {}};
+  if (date && date->factor != 1.0) {
+    for (double& value : values) value *= date->factor;
+  }
   const bool by_columns = ValueOf(header, "fortran_order").starts_with("True");
-  for (std::size_t row = 0; row < array.rows; ++row) {
-    for (std::size_t column = 0; column < array.columns; ++column) {
-      const std::size_t place =
-          by_columns ? column * array.rows + row : row * array.columns + column;
-      array.values[row * array.columns + column] = reader(data.data() + place * width, swapped);
-    }
-  }
+  SetValues(array, std::move(values), shape, by_columns ? ArrayOrder::kColumns : ArrayOrder::kRows);
   return array;
 }
 
@@ -195,11 +266,7 @@ std::vector<NamedArray> ReadNpz(std::string_view bytes) {
         46 + std::size_t{name_size} + At<std::uint16_t>(entry, 30) + At<std::uint16_t>(entry, 32);
     if (!name.ends_with(".npy")) continue;
     name.resize(name.size() - 4);
-    const std::string file = FileAt(bytes, entry);
-    try {
-      arrays.push_back(ReadNpy(file, name));
-    } catch (const UserError&) {  // texts and records beside the numbers
-    }
+    arrays.push_back(ReadNpy(FileAt(bytes, entry), name));
   }
   return arrays;
 }

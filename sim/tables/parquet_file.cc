@@ -8,12 +8,14 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
 
 #include "sim/base/error.h"
 #include "sim/tables/damaged_file.h"
+#include "sim/tables/half_number.h"
 #include "sim/tables/thrift_value.h"
 
 namespace gauntlet::sim {
@@ -29,8 +31,11 @@ enum PhysicalType {
   kParquetBoolean = 0,
   kParquetInt32 = 1,
   kParquetInt64 = 2,
+  kParquetInt96 = 3,
   kParquetFloat = 4,
-  kParquetDouble = 5
+  kParquetDouble = 5,
+  kParquetBytes = 6,
+  kParquetFixedBytes = 7
 };
 enum Repetition { kRequired = 0, kOptional = 1, kRepeated = 2 };
 enum PageType { kDataPage = 0, kDictionaryPage = 2, kDataPageV2 = 3 };
@@ -57,15 +62,28 @@ struct Leaf {
   std::string name;
   std::int64_t type = 0;
   bool is_unsigned = false;
-  bool is_read = false;
+  double factor = 1.0;        // from whole numbers to values of a decimal
+  std::string left_out = {};  // why it is not read; empty: it is
   int repeated = 0;           // repeated nodes
   unsigned most_defined = 0;  // the level of a value
   unsigned item_defined = 0;  // from this level on there is an item in the list
 };
 
-bool HasNumbers(std::int64_t type) {
-  return type == kParquetBoolean || type == kParquetInt32 || type == kParquetInt64 ||
-         type == kParquetFloat || type == kParquetDouble;
+/// Why a column of the schema is not read, by its converted_type and logicalType; empty if it is.
+std::string_view ReasonToLeaveOut(const ThriftValue& element) {
+  constexpr std::int64_t kDecimal = 5, kDate = 6, kHalf = 15;
+  const std::int64_t type = element.NumberOr(1, -1);
+  const std::int64_t converted = element.NumberOr(6, -1);
+  const bool is_decimal = converted == kDecimal || element[10].Has(5);
+  if (converted == kDate || element[10].Has(6)) return "dates without a clock";
+  if (type == kParquetFixedBytes) {
+    const bool is_half = element[10].Has(kHalf) && element.NumberOr(2, 0) == 2;
+    if (is_half) return "";
+    return is_decimal ? "decimals of more than 64 bits" : "bytes";
+  }
+  if (type == kParquetBytes) return is_decimal ? "decimals of more than 64 bits" : "texts";
+  const bool is_number = type >= kParquetBoolean && type <= kParquetDouble;
+  return is_number ? "" : "no numbers";
 }
 
 /// Ending that a unit of time adds to the name, by converted_type or logicalType.
@@ -74,7 +92,7 @@ std::string_view TimeUnitOf(const ThriftValue& element) {
   const ThriftValue& logical = element[10];
   const ThriftValue& time = logical.Has(7) ? logical[7] : logical[8];
   const ThriftValue& unit = time[2];
-  if (unit.Has(3)) return "_ns";
+  if (unit.Has(3) || element.NumberOr(1, -1) == kParquetInt96) return "_ns";
   const std::int64_t converted = element.NumberOr(6, -1);
   if (unit.Has(1) || converted == kTimeMs || converted == kMomentMs) return "_ms";
   if (unit.Has(2) || converted == kTimeUs || converted == kMomentUs) return "_us";
@@ -87,12 +105,13 @@ class SchemaReader {
   explicit SchemaReader(const std::vector<ThriftValue>& elements) : elements_(elements) {
     if (elements_.empty()) FailAsDamaged("it has no schema");
     const std::int64_t children = elements_[next_++].NumberOr(5, 0);
-    for (std::int64_t i = 0; i < children; ++i) Read("", {}, 0);
+    for (std::int64_t i = 0; i < children; ++i) Read("", {}, false, 0);
   }
   std::vector<Leaf> leaves() && { return std::move(leaves_); }
 
  private:
-  void Read(const std::string& parent, Leaf leaf, int depth) {
+  /// `is_only_item`: of a list.
+  void Read(const std::string& parent, Leaf leaf, bool is_only_item, int depth) {
     constexpr int kMostNested = 32;
     if (next_ >= elements_.size() || depth > kMostNested) FailAsDamaged("its schema is cut off");
     const ThriftValue& element = elements_[next_++];
@@ -103,21 +122,26 @@ class SchemaReader {
       leaf.item_defined = leaf.most_defined;
       ++leaf.repeated;
     }
-    // The nodes in a list have names that nobody gave.
+    // The nodes of a list have names that no person gave: the repeated one and its only child.
     std::string name = parent.empty() ? own : fmt::format("{}_{}", parent, own);
-    if (leaf.repeated > 0 && !parent.empty()) name = parent;
+    if ((repetition == kRepeated || is_only_item) && !parent.empty()) name = parent;
     const std::int64_t children = element.NumberOr(5, 0);
+    const bool has_only_item = repetition == kRepeated && children == 1;
     if (children > 0) {
-      for (std::int64_t i = 0; i < children; ++i) Read(name, leaf, depth + 1);
+      for (std::int64_t i = 0; i < children; ++i) Read(name, leaf, has_only_item, depth + 1);
       return;
     }
-    constexpr std::int64_t kDecimal = 5, kDate = 6, kFirstUnsigned = 11, kLastUnsigned = 14;
+    constexpr std::int64_t kFirstUnsigned = 11, kLastUnsigned = 14;
     const std::int64_t converted = element.NumberOr(6, -1);
     leaf.type = element.NumberOr(1, -1);
     leaf.name = name + std::string(TimeUnitOf(element));
-    leaf.is_unsigned = converted >= kFirstUnsigned && converted <= kLastUnsigned;
-    leaf.is_read = HasNumbers(leaf.type) && leaf.repeated <= 1 && converted != kDecimal &&
-                   converted != kDate && !element[10].Has(5) && !element[10].Has(6);
+    leaf.is_unsigned = (converted >= kFirstUnsigned && converted <= kLastUnsigned) ||
+                       (element[10][10].Has(2) && element[10][10][2].number == 0);
+    if (leaf.type == kParquetInt32 || leaf.type == kParquetInt64) {
+      const ThriftValue& decimal = element[10][5];
+      leaf.factor = std::pow(10.0, -decimal.NumberOr(1, element.NumberOr(7, 0)));
+    }
+    leaf.left_out = ReasonToLeaveOut(element);
     leaves_.push_back(std::move(leaf));
   }
 
@@ -237,13 +261,24 @@ std::vector<double> PlainValues(ByteReader bytes, const Leaf& leaf, std::size_t 
         values.push_back(leaf.is_unsigned ? static_cast<double>(bytes.Little<std::uint64_t>())
                                           : static_cast<double>(bytes.Little<std::int64_t>()));
         break;
+      case kParquetInt96: {  // time of day [ns] and day, as Spark writes them
+        constexpr double kDay1970 = 2440588.0;
+        const auto time_ns = static_cast<double>(bytes.Little<std::int64_t>());
+        const double day = bytes.Little<std::uint32_t>() - kDay1970;
+        values.push_back(day * 86400e9 + time_ns);
+        break;
+      }
       case kParquetFloat:
         values.push_back(bytes.Little<float>());
+        break;
+      case kParquetFixedBytes:
+        values.push_back(ValueOfHalf(bytes.Little<std::uint16_t>()));
         break;
       default:
         values.push_back(bytes.Little<double>());
         break;
     }
+    if (leaf.factor != 1.0) values.back() *= leaf.factor;
   }
   return values;
 }
@@ -385,6 +420,7 @@ class ColumnReader {
       if (leaf_.repeated > 0 && defined[i] < leaf_.item_defined) continue;  // an empty list
       values_.push_back(defined[i] == leaf_.most_defined ? values[next++] : kNull);
       if (leaf_.repeated > 0) ++lengths_.back();
+      if (leaf_.repeated > 1) levels_.push_back(repeated[i]);
     }
   }
 
@@ -394,6 +430,7 @@ class ColumnReader {
     }
     const std::size_t length = rows == 0 ? 0 : std::ranges::max(lengths_);
     NamedArray array{.name = leaf_.name, .rows = rows, .columns = length, .values = {}};
+    array.is_flat = leaf_.repeated < 2;
     std::size_t next = 0;
     for (std::size_t row = 0; row < rows; ++row) {
       if (lengths_[row] == 0) {
@@ -406,6 +443,14 @@ class ColumnReader {
                         "have as many",
                         row + 1, leaf_.name, lengths_[row], length));
       }
+      if (leaf_.repeated > 1 &&
+          !std::equal(levels_.begin(), levels_.begin() + static_cast<std::ptrdiff_t>(length),
+                      levels_.begin() + static_cast<std::ptrdiff_t>(next))) {
+        throw UserError(
+            fmt::format("row {} of column {} has lists of other lengths; each must "
+                        "have as many",
+                        row + 1, leaf_.name));
+      }
       const auto begin = values_.begin() + static_cast<std::ptrdiff_t>(next);
       array.values.insert(array.values.end(), begin, begin + static_cast<std::ptrdiff_t>(length));
       next += length;
@@ -417,8 +462,9 @@ class ColumnReader {
   std::int64_t codec_ = 0;
   std::int64_t left_ = 0;  // values of the row group that are not read
   std::vector<double> dictionary_;
-  std::vector<double> values_;        // of lists one after the other
-  std::vector<std::size_t> lengths_;  // of the list in each row
+  std::vector<double> values_;         // of lists one after the other
+  std::vector<std::size_t> lengths_;   // of the list in each row
+  std::vector<std::uint32_t> levels_;  // of the values of lists in lists: which list each begins
 };
 
 }  // namespace
@@ -438,7 +484,10 @@ std::vector<NamedArray> ReadParquet(std::string_view bytes) {
   if (rows < 0 || rows > kMostPageValues) FailAsDamaged("it has no number of rows");
   std::vector<NamedArray> arrays;
   for (std::size_t i = 0; i < leaves.size(); ++i) {
-    if (!leaves[i].is_read) continue;
+    if (!leaves[i].left_out.empty()) {
+      arrays.push_back({.name = leaves[i].name, .values = {}, .left_out = leaves[i].left_out});
+      continue;
+    }
     ColumnReader column(leaves[i]);
     for (const ThriftValue& group : file[4].items) {
       const std::vector<ThriftValue>& chunks = group[1].items;
