@@ -262,6 +262,20 @@ TEST(KeypointLayout, LeavesOtherTablesAlone) {
   }
 }
 
+TEST(FindKeypoints, TakesTwiceAsManyNumbersForTwoHands) {
+  std::vector<std::string> names = {"time_s"};
+  for (int i = 1; i <= 126; ++i) names.push_back(fmt::format("value_{}", i));
+  const KeypointLayout layout = FindKeypoints(names);
+  EXPECT_EQ(layout.problem, "");
+  ASSERT_EQ(layout.hands.size(), 2U);
+  EXPECT_TRUE(layout.hands[0].is_of_pair && layout.hands[1].is_of_pair);
+  EXPECT_EQ(layout.hands[0].position[0][0], 1U);
+  EXPECT_EQ(layout.hands[1].position[20][2], 126U);
+  EXPECT_EQ(FindKeypoints(std::vector<std::string>(128)).hands.size(), 2U);  // without names
+  names.pop_back();
+  EXPECT_TRUE(FindKeypoints(names).hands.empty());
+}
+
 // --- Files ---------------------------------------------------------------------------------------
 
 class KeypointFiles : public ::testing::Test {
@@ -369,6 +383,30 @@ TEST_F(KeypointFiles, OfTextAreReadInEveryForm) {
   const AngleTable assumed = TableOf(Written("nameless.csv", nameless));
   ExpectAngles(assumed);
   EXPECT_THAT(assumed.remarks, HasSubstr("MediaPipe (assumed) [m]"));
+}
+
+TEST_F(KeypointFiles, OfTwoHandsInOneRowHaveTheirSidesByTheirShape) {
+  std::string both = "[", twice = "[";
+  for (int k = 0; k < 60; ++k) {
+    const HandPoints& frame = points_[static_cast<std::size_t>(k)];
+    std::string right, left;
+    for (int i = 0; i < kKeypoints; ++i) {
+      right += fmt::format("{}[{}]", i > 0 ? "," : "", CellsOf(frame, i));
+      left += fmt::format("{}[{},{},{}]", i > 0 ? "," : "", -frame(0, i), frame(1, i), frame(2, i));
+    }
+    const char* comma = k > 0 ? "," : "";
+    both += fmt::format("{}[[{}],[{}]]", comma, left, right);
+    twice += fmt::format("{}[[{}],[{}]]", comma, right, right);
+  }
+  const AngleTable table = TableOf(Written("both.json", both + "]"));
+  ExpectAngles(table, "left_");
+  ExpectAngles(table, "right_");
+  try {
+    TableOf(Written("twice.json", twice + "]"));
+    FAIL();
+  } catch (const UserError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("keypoints of two right hands by their shape"));
+  }
 }
 
 TEST_F(KeypointFiles, OfJsonAreReadInEveryForm) {

@@ -419,7 +419,7 @@ std::optional<FoundHand> NumberedHand(const GroupKey& key, const std::vector<Nam
 }
 
 /// A hand whose values are numbered one after the other: x, y, z of each joint.
-std::optional<FoundHand> FlatHand(const GroupKey& key, std::vector<std::size_t> columns) {
+std::optional<FoundHand> OneFlatHand(const GroupKey& key, std::vector<std::size_t> columns) {
   const std::size_t joints = columns.size() / 3;
   const std::vector<int> order = OrderOf(joints);
   if (columns.size() % 3 != 0 || order.empty()) return std::nullopt;
@@ -438,30 +438,41 @@ std::optional<FoundHand> FlatHand(const GroupKey& key, std::vector<std::size_t> 
   return hand;
 }
 
+/// One such hand, or two, one behind the other.
+std::vector<FoundHand> FlatHands(const GroupKey& key, const std::vector<std::size_t>& columns) {
+  if (auto hand = OneFlatHand(key, columns)) return {std::move(*hand)};
+  if (columns.size() % 2 != 0) return {};
+  const auto middle = columns.begin() + std::ssize(columns) / 2;
+  auto first = OneFlatHand(key, {columns.begin(), middle});
+  auto second = OneFlatHand(key, {middle, columns.end()});
+  if (!first || !second) return {};
+  return {std::move(*first), std::move(*second)};
+}
+
 /// Values in the order of their numbers, if these are a row from 0 or 1.
-std::optional<FoundHand> FlatHandOf(const GroupKey& key, const std::vector<NamedColumn>& group) {
+std::vector<FoundHand> FlatHandsOf(const GroupKey& key, const std::vector<NamedColumn>& group) {
   std::map<int, std::size_t> by_place;
   for (const NamedColumn& column : group) by_place.emplace(column.parts.place, column.column);
   const int first = by_place.begin()->first;
   if (by_place.size() != group.size() || first > 1 ||
       by_place.rbegin()->first - first + 1 != std::ssize(by_place)) {
-    return std::nullopt;
+    return {};
   }
   std::vector<std::size_t> columns;
   for (const auto& [place, column] : by_place) columns.push_back(column);
-  return FlatHand(key, std::move(columns));
+  return FlatHands(key, columns);
 }
 
 /// A table without names: all columns but at most four in front.
-std::optional<FoundHand> NamelessHand(std::size_t columns) {
+std::vector<FoundHand> NamelessHands(std::size_t columns) {
   constexpr std::size_t kMostBefore = 4;
-  for (const std::size_t joints : {21U, 25U, 26U}) {
+  for (const std::size_t joints : {21U, 25U, 26U, 42U, 50U, 52U}) {
     if (columns < 3 * joints || columns > 3 * joints + kMostBefore) continue;
     std::vector<std::size_t> all(3 * joints);
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = columns - 3 * joints + i;
-    return FlatHand({}, std::move(all));
+    return FlatHands({}, all);
   }
-  return std::nullopt;
+  return {};
 }
 
 // --- Rotations -----------------------------------------------------------------------------------
@@ -595,7 +606,9 @@ std::vector<FoundHand> HandsOf(const std::vector<ColumnParts>& columns) {
   };
   for (const auto& [key, group] : named) add(NamedHand(key, group));
   for (const auto& [key, group] : numbered) add(NumberedHand(key, group));
-  for (const auto& [key, group] : flat) add(FlatHandOf(key, group));
+  for (const auto& [key, group] : flat) {
+    for (FoundHand& hand : FlatHandsOf(key, group)) hands.push_back(std::move(hand));
+  }
   if (!hands.empty()) return hands;
   for (const auto& [key, group] : named) add(NamedTurnedHand(key, group));
   for (const auto& [key, group] : numbered) add(NumberedTurnedHand(key, group));
@@ -616,6 +629,20 @@ void PreferWorld(std::vector<FoundHand>& hands) {
   });
   std::vector<std::size_t>& all = hands.front().columns.all;  // so that they are left out
   all.insert(all.end(), others.begin(), others.end());
+}
+
+/// Marks two hands without names in one row of numbers, or in two that are numbered (`value 1` and
+/// `value 2`). False for others.
+bool MarkPair(std::vector<FoundHand>& hands) {
+  const auto base = [](const FoundHand& hand) {
+    return hand.stem.substr(0, hand.stem.find_last_not_of("0123456789") + 1);
+  };
+  if (hands.size() != 2 || base(hands[0]) != base(hands[1])) return false;
+  for (const FoundHand& hand : hands) {
+    if (hand.columns.is_named || hand.columns.rotations || !hand.columns.hand.empty()) return false;
+  }
+  for (FoundHand& hand : hands) hand.columns.is_of_pair = true;
+  return true;
 }
 
 std::string NameOfHand(const FoundHand& hand) {
@@ -650,7 +677,9 @@ KeypointLayout FindKeypoints(const std::vector<std::string>& names, Quaternions 
   const bool is_nameless =
       std::ranges::all_of(names, [](const std::string& name) { return name.empty(); });
   if (is_nameless) {
-    if (auto hand = NamelessHand(names.size())) layout.hands.push_back(std::move(hand->columns));
+    std::vector<FoundHand> hands = NamelessHands(names.size());
+    MarkPair(hands);
+    for (FoundHand& hand : hands) layout.hands.push_back(std::move(hand.columns));
     return layout;
   }
   std::vector<ColumnParts> columns;
@@ -671,12 +700,14 @@ KeypointLayout FindKeypoints(const std::vector<std::string>& names, Quaternions 
         hand.missing.front());
     return layout;
   }
-  for (std::size_t i = 1; i < hands.size(); ++i) {
+  const bool is_pair = MarkPair(hands);
+  for (std::size_t i = is_pair ? 2 : 1; i < hands.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       if (hands[i].columns.hand != hands[k].columns.hand && !hands[i].columns.hand.empty() &&
           !hands[k].columns.hand.empty()) {
         continue;
       }
+      layout.has_several = true;
       layout.problem =
           fmt::format("has keypoints of several hands or kinds ({}; {}); keep those of one",
                       NameOfHand(hands[k]), NameOfHand(hands[i]));

@@ -46,12 +46,14 @@ struct KeypointColumns {
   double unit_m = 0.0;                // of the positions, by the names; 0: they do not tell
   bool is_named = true;  // false: by the number of the columns, so the geometry has to agree
   std::optional<RotationColumns> rotations = {};  // instead of positions
+  bool is_of_pair = false;  // half of one row of numbers, so the geometry has to tell the side
 };
 
 /// Keypoints that the names of a table tell.
 struct KeypointLayout {
   std::vector<KeypointColumns> hands;  // none: no keypoints, or a problem
   std::string problem;                 // why a table that has keypoints is not read
+  bool has_several = false;            // the problem is hands or kinds that names do not tell apart
 };
 
 /// Treatment of columns that differ in w, x, y and z only: those of a quaternion, or of a point.
@@ -73,7 +75,7 @@ enum class Quaternions { kTaken, kLeft };
 /// A joint has 3 values, 7 (position and quaternion) or 16 (a matrix, column by column as ARKit and
 /// WebXR write it; the translation has the places 13 to 15). A unit behind the axis (_m, _cm, _mm)
 /// is that of the column. World landmarks are taken before others. Numbers of a table without names
-/// are 63, 75 or 78 columns, with at most four in front.
+/// are 63, 75 or 78 columns, with at most four in front. Twice as many numbers are two hands.
 ///
 /// Without positions, a hand is also the rotations of its bones, one quaternion each: of the same
 /// joints, named after the bone beyond them. A quaternion has columns that differ in w, x, y and z

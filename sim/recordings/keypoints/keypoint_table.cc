@@ -117,6 +117,30 @@ bool AreHands(const KeypointText& text, const std::vector<KeypointColumns>& hand
   return true;
 }
 
+/// Left or right by the geometry; empty for a hand that is in no frame or never bends.
+std::string SideOf(const std::vector<HandPoints>& points, double unit_m) {
+  try {
+    return PlaceHand(points, unit_m).is_left ? "left" : "right";
+  } catch (const UserError&) {  // AnglesOfHand() reports it
+    return "";
+  }
+}
+
+/// Names the hands of a pair. Errors: UserError without a place if both are of one side.
+void NameSides(const KeypointText& text, std::vector<KeypointColumns>& hands) {
+  for (std::size_t h = 0; h < hands.size(); ++h) {
+    hands[h].hand = SideOf(text.points[h], hands[h].unit_m);
+  }
+  std::string& first = hands.front().hand;
+  std::string& second = hands.back().hand;
+  if (first == second && !first.empty()) {
+    throw UserError(
+        fmt::format("has keypoints of two {} hands by their shape; keep those of one", first));
+  }
+  if (first.empty()) first = second == "left" ? "right" : "left";
+  if (second.empty() || second == first) second = first == "left" ? "right" : "left";
+}
+
 /// Facts about a hand: its angles, lost frames, and remarks.
 AnglesOfBones AnglesOfHand(const KeypointText& text, std::size_t h, const KeypointColumns& columns,
                            std::string& remarks) {
@@ -194,16 +218,15 @@ CsvReader::Source AnglesOfKeypoints(const std::string& name, CsvReader::Source s
   std::string head = BytesOf(source, kHeadBytes);
   std::string bytes;  // the whole text, once it is known to have hands
   for (const Quaternions quaternions : {Quaternions::kTaken, Quaternions::kLeft}) {
-    const KeypointLayout layout = LayoutOfHead(name, head, quaternions);
-    if (layout.problem.find("several hands") != std::string::npos) {
-      throw UserError({.place = name, .problem = layout.problem});
-    }
+    KeypointLayout layout = LayoutOfHead(name, head, quaternions);
+    if (layout.has_several) throw UserError({.place = name, .problem = layout.problem});
     if (layout.hands.empty()) break;
     if (bytes.empty()) bytes = head + BytesOf(source);
     CsvReader reader(name, TextSource(bytes), ProblemHandling::kRepair);
     const KeypointText text = ReadText(reader, layout.hands);
     if (!AreHands(text, layout.hands)) continue;  // at most once more: points in four values
     try {
+      if (layout.hands.front().is_of_pair) NameSides(text, layout.hands);
       return WithHead(TextOfAngles(text, layout.hands), nullptr);
     } catch (const UserError& error) {
       throw UserError({.place = name, .problem = error.what()});
