@@ -168,10 +168,11 @@ TEST(ComparisonVerdict, NamesTies) {
   EXPECT_EQ(verdict.recommended, "a");
   EXPECT_THAT(verdict.Text(), HasSubstr("Equivalent: b and c."));
   EXPECT_THAT(RolesOf(summary), ElementsAre("baseline", "recommended", "equivalent", "equivalent"));
-  summary.comparisons[summary.Place(reversals, 1, 2)].judgement = Judgement::kBetter;
-  EXPECT_THAT(VerdictOf(summary).Text(),
-              HasSubstr("Equivalent: c. Equivalent, but with more command reversals per s than a "
-                        "(14.0): b (20.0)."));
+  // a becomes worse than the baseline in delay, b and c do not.
+  summary.comparisons[summary.Place(MetricIndex("delay_ms"), 1, 0)].judgement = Judgement::kWorse;
+  verdict = VerdictOf(summary);
+  EXPECT_EQ(verdict.recommended, "c");
+  EXPECT_THAT(verdict.Text(), HasSubstr("Equivalent: a and b."));
 }
 
 TEST(ComparisonVerdict, WithoutABaselineNamesNoneOfEqualControllers) {

@@ -94,10 +94,7 @@ class Choice {
     std::ranges::sort(open);
     return open;
   }
-  /// Is judged to have fewer command reversals.
-  bool HasFewerReversals(std::size_t c, std::size_t other) const {
-    return JudgementOf(reversals_, c, other) == Judgement::kBetter;
-  }
+  bool decides_by_reversals() const { return !baseline_; }
   /// Scores other than the priority with a controller that is better in them than the recommended
   /// one.
   std::vector<std::pair<std::size_t, std::size_t>> alternatives() const {
@@ -128,10 +125,19 @@ class Choice {
   }
 
  private:
+  bool HasFewerReversals(std::size_t c, std::size_t other) const {
+    return JudgementOf(reversals_, c, other) == Judgement::kBetter;
+  }
   /// In a primary score.
   bool IsBetter(std::size_t c, std::size_t other) const {
     return std::ranges::any_of(
         scores_, [&](std::size_t m) { return JudgementOf(m, c, other) == Judgement::kBetter; });
+  }
+  /// Number of primary scores in which it is worse than the baseline.
+  std::ptrdiff_t ScoresBelowBaseline(std::size_t c) const {
+    if (!baseline_) return 0;
+    return std::ranges::count_if(
+        scores_, [&](std::size_t m) { return JudgementOf(m, c, *baseline_) == Judgement::kWorse; });
   }
   /// In every primary score.
   bool IsEquivalent(std::size_t c, std::size_t other) const {
@@ -166,10 +172,13 @@ class Choice {
     }
     if (left.empty()) return std::nullopt;
     if (baseline_ && std::ranges::count(left, *baseline_) > 0) return baseline_;
-    // Means of equals are chance, and change with the seeds. Reversals differ between them if
-    // anything does.
+    // Means of equals are chance, and change with the seeds. Of those that cost least against the
+    // baseline, reversals differ if anything does.
     const std::size_t best = *Best(metric, left);
     std::erase_if(left, [&](std::size_t c) { return c != best && !IsEquivalent(c, best); });
+    const std::ptrdiff_t least = ScoresBelowBaseline(
+        *std::ranges::min_element(left, {}, [&](std::size_t c) { return ScoresBelowBaseline(c); }));
+    std::erase_if(left, [&](std::size_t c) { return ScoresBelowBaseline(c) > least; });
     return *Best(reversals_, left);
   }
   Places::const_iterator Best(std::size_t metric, const Places& places) const {
@@ -249,6 +258,12 @@ std::string Recommendation(const Summary& summary, const Choice& choice, std::si
   return text + ".";
 }
 
+std::string NamesOf(const Summary& summary, const Places& controllers) {
+  std::vector<std::string> names;
+  for (const std::size_t c : controllers) names.push_back(summary.controllers[c].name);
+  return Listed(names);
+}
+
 /// "nearest (17.5) and noise_shaping (18.8)".
 std::string ReversalsOf(const Summary& summary, const Places& controllers) {
   std::vector<std::string> values;
@@ -259,26 +274,15 @@ std::string ReversalsOf(const Summary& summary, const Places& controllers) {
   return Listed(values);
 }
 
-/// "Equivalent: one_euro." Where reversals decide: "Equivalent, but with more command reversals per
-/// s than hysteresis (13.2): nearest (17.5) and noise_shaping (18.8)."
+/// "Equivalent: one_euro and mean_20." Without a baseline, where reversals decide: "Equivalent, but
+/// with more command reversals per s than hysteresis (13.2): nearest (17.5) and noise_shaping
+/// (18.8)."
 std::string Ties(const Summary& summary, const Choice& choice, std::size_t recommended) {
-  Places more;
-  std::vector<std::string> others;
-  for (const std::size_t c : choice.equivalent()) {
-    if (choice.HasFewerReversals(recommended, c)) {
-      more.push_back(c);
-    } else {
-      others.push_back(summary.controllers[c].name);
-    }
-  }
-  std::string text;
-  if (!others.empty()) text = fmt::format("Equivalent: {}.", Listed(others));
-  if (!more.empty()) {
-    text += fmt::format("{}Equivalent, but with more command reversals per s than {}: {}.",
-                        text.empty() ? "" : " ", ReversalsOf(summary, {recommended}),
-                        ReversalsOf(summary, more));
-  }
-  return text;
+  const Places ties = choice.equivalent();
+  if (ties.empty()) return "";
+  if (!choice.decides_by_reversals()) return fmt::format("Equivalent: {}.", NamesOf(summary, ties));
+  return fmt::format("Equivalent, but with more command reversals per s than {}: {}.",
+                     ReversalsOf(summary, {recommended}), ReversalsOf(summary, ties));
 }
 
 /// "Equivalent: any of a, b and c: tracking error 4.97 deg RMS, delay 119 ms and jitter 0.2 deg

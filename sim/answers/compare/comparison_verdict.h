@@ -19,8 +19,9 @@ namespace gauntlet::sim {
 /// no worse than any controller in it, and are the baseline, or judged better than it in a primary
 /// score and not worse in that one. Of them the least jitter, then the least delay, then the least
 /// tracking error decides, each among those that are no worse; after that the baseline. Of those
-/// that are equivalent in all primary scores, the one with the fewest command reversals is named,
-/// and the others as equivalent.
+/// that are equivalent in all primary scores, those that are worse than the baseline in the fewest
+/// stay, and of these the one with the fewest command reversals is named. The others are named as
+/// equivalent.
 ///
 /// The candidate for the user's priority is recommended. Without a baseline it must also be judged
 /// better than every other controller in a primary score or, where both are equivalent, in command
