@@ -302,13 +302,14 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
   recording.settle_ms = format.settle_ms;
   recording.rate_hz = format.rate_hz;
   FindStretches(rows, !columns.time.empty(), recording);
-  using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  recording.counts = Eigen::Map<const Table>(rows.counts.data(), rows.count, columns.counts.size());
+  using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  recording.counts =
+      Eigen::Map<const RowMatrix>(rows.counts.data(), rows.count, columns.counts.size());
   recording.resolution_counts = ResolutionOf(recording.counts);
   recording.still = SamplesOf(format.still, rows.time_s);
   recording.angle_deg = poses.empty()
-                            ? Signal(Eigen::Map<const Table>(rows.angle_deg.data(), rows.count,
-                                                             columns.angles.size()))
+                            ? Signal(Eigen::Map<const RowMatrix>(rows.angle_deg.data(), rows.count,
+                                                                 columns.angles.size()))
                             : AnglesOf(poses, rows.time_s, columns.counts.size(), format.poses);
   const Eigen::Index settle = std::lround(format.settle_ms * 1e-3 * recording.rate_hz);
   for (Eigen::Index c = 0; c < recording.angle_deg.cols(); ++c) {

@@ -9,6 +9,7 @@
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
+#include "sim/base/text.h"
 #include "sim/recordings/column_scale.h"
 #include "sim/tables/missing.h"
 #include "sim/tables/recording_problem.h"
@@ -39,11 +40,10 @@ void CheckRate(const CsvReader& csv, const ColumnMap& map, const RecordingFormat
 
 }  // namespace
 
-RecordingReader::RecordingReader(std::string name, CsvReader::Source source,
-                                 const RecordingFormat& format)
+RecordingReader::RecordingReader(std::string name, TableInput input, const RecordingFormat& format)
     : handling_(format.handling), longest_gap_s_(1e-3 * format.longest_gap_ms) {
   csv_ = std::make_unique<CsvReader>(
-      std::move(name), std::move(source), format.handling,
+      std::move(name), std::move(input), format.handling,
       [this](RecordingProblem problem, std::size_t row) { Note(problem, row); },
       format.skipped_lines);
   row_ = csv_->row();
@@ -239,7 +239,7 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
 
 std::vector<std::string> RecordingReader::Remarks() const {
   std::vector<std::string> remarks = notes_;
-  remarks.insert(remarks.end(), csv_->remarks().begin(), csv_->remarks().end());
+  for (std::string& remark : csv_->remarks()) remarks.push_back(OneLine(remark));
   for (const auto& [problem, count] : problems_) remarks.push_back(Remark(problem, count));
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     for (std::size_t k = 0; k < angles_.parts(i).size(); ++k) {

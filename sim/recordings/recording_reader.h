@@ -49,7 +49,7 @@ bool IsFarBeyondRange(const Channel& joint, double angle_rad);
 /// first of them; repair counts them. Errors: UserError `file:row:column: ...` in one line.
 class RecordingReader {
  public:
-  RecordingReader(std::string name, CsvReader::Source source, const RecordingFormat& format);
+  RecordingReader(std::string name, TableInput input, const RecordingFormat& format);
 
   /// False at the end. `angle_rad` has one place per channel of KnownChannels().
   bool NextRow(double& time_s, std::span<double> angle_rad);

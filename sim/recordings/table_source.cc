@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <sstream>
+#include <span>
 #include <string>
 
 #include "sim/base/error.h"
@@ -28,6 +28,7 @@
 #include "sim/tables/parquet_file.h"
 #include "sim/tables/rosbag_file.h"
 #include "sim/tables/source_bytes.h"
+#include "sim/tables/table_pipe.h"
 #include "sim/tables/text_forms.h"
 #include "sim/tables/utf16.h"
 
@@ -36,12 +37,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kFormatBytes = 4096;  // enough to know the format
+constexpr std::size_t kFormatBytes = 4096;                     // enough to know the format
+constexpr std::uint64_t kMostListed = std::uint64_t{1} << 20;  // arrays or topics
 
 std::string BytesOfOnly(const fs::path& file) {
   const CsvReader::Source source = FileSource(file);
+  std::string bytes(fs::file_size(file), '\0');
   OpenNoMoreFiles();
-  return BytesOf(source);
+  std::size_t read = 0;
+  while (const std::size_t got = source(bytes.data() + read, bytes.size() - read)) read += got;
+  bytes.resize(read);
+  return bytes;
 }
 
 /// The columns of all files, one below the other.
@@ -96,7 +102,8 @@ void UseInfo(const DatasetInfo& info, std::vector<NamedArray>& arrays) {
                               NameOf(format), WayOut(format).empty() ? "" : "; ", WayOut(format)));
 }
 
-std::vector<NamedArray> ArraysOf(const fs::path& file, FileFormat format, const DatasetInfo& info) {
+std::vector<NamedArray> ArraysOf(const fs::path& file, const std::vector<fs::path>& parts,
+                                 FileFormat format, const DatasetInfo& info) {
   switch (format) {
     case FileFormat::kNpy:
       return {ReadNpy(BytesOfOnly(file), "value")};
@@ -110,7 +117,6 @@ std::vector<NamedArray> ArraysOf(const fs::path& file, FileFormat format, const 
       return ReadMatArrays(file);
     case FileFormat::kParquet: {
       std::vector<std::string> files;
-      const std::vector<fs::path> parts = DataSetFiles(file);
       for (const fs::path& part : parts.empty() ? std::vector{file} : parts) {
         files.push_back(BytesOf(FileSource(part)));
         const FileFormat part_format = FormatOfBytes(files.back());
@@ -128,9 +134,8 @@ std::vector<NamedArray> ArraysOf(const fs::path& file, FileFormat format, const 
 }
 
 /// The messages in a file or in the files of a bag.
-std::unique_ptr<MessageFile> MessagesOf(const fs::path& file) {
+std::unique_ptr<MessageFile> MessagesOf(const fs::path& file, const std::vector<fs::path>& parts) {
   std::vector<std::unique_ptr<MessageFile>> opened;
-  const std::vector<fs::path> parts = DataSetFiles(file);
   for (const fs::path& part : parts.empty() ? std::vector{file} : parts) {
     const FileFormat format = FormatOfBytes(BytesOf(FileSource(part), kFormatBytes));
     if (!HasTopics(format)) FailInPart(part, format);
@@ -143,57 +148,96 @@ std::unique_ptr<MessageFile> MessagesOf(const fs::path& file) {
   return JoinMessageFiles(std::move(opened));
 }
 
-using Write = std::function<void(std::string_view)>;
-/// Work of a helper on a file: it writes a text in parts.
-using WriteText = std::function<void(const Write& write)>;
-/// Work of a helper on the arrays of a file.
-using WriteArrays = std::function<void(std::vector<NamedArray> arrays, const Write& write)>;
+/// Work of a helper on a file: what it found goes through the pipe.
+using Work = std::function<void(PipeWriter& pipe)>;
 
-/// Text from a helper, which makes it of a file.
-class HelperText {
- public:
-  HelperText(const fs::path& file, const WriteText& write_text)
-      : place_(file.string()),
-        helper_(
-            [=](const HelperProcess::Send& send) {
-              write_text([&](std::string_view text) { send(text); });
-            },
-            LimitsFor(RecordingBytes(file))) {}
-  HelperText(const fs::path& file, FileFormat format, const DatasetInfo& info,
-             const WriteArrays& write_arrays)
-      : HelperText(file, [=](const Write& write) {
-          write_arrays(WithFacts(ArraysOf(file, format, info)), write);
-        }) {}
+HelperLimits LimitsFor(std::uintmax_t file_bytes) {
+  HelperLimits limits;
+  constexpr double kStart_s = 5.0;
+  constexpr double kPerByte_s = 1e-6;  // some 20 times as long as it takes
+  limits.processor_s = kStart_s + kPerByte_s * static_cast<double>(file_bytes);
+  limits.memory_bytes = std::size_t{1} << 30;
+  return limits;
+}
 
-  std::size_t Read(char* buffer, std::size_t size) {
-    try {
-      return helper_.ReceiveSome({buffer, size});
-    } catch (const HelperEnded& ended) {
-      throw UserError(
-          {.place = place_,
-           .problem = fmt::format("is damaged or too large: the process that read it {}; write it "
-                                  "as CSV",
-                                  ended.what())});
-    } catch (const HelperSilent& silent) {
-      throw RunError(fmt::format("{}: the process that reads it {}", place_, silent.what()));
-    } catch (const HelperError& problem) {
-      throw UserError({.place = place_, .problem = problem.what()});
+/// Runs `work` in a helper, and `take` with what it sends.
+void FromHelper(const std::string& place, std::uintmax_t file_bytes, const Work& work,
+                const std::function<void(PipeReader& pipe)>& take) {
+  HelperProcess helper(
+      [&](const HelperProcess::Send& send) {
+        PipeWriter pipe(send);
+        work(pipe);
+      },
+      LimitsFor(file_bytes));
+  PipeReader pipe([&helper](std::span<char> bytes) { helper.Receive(bytes); });
+  try {
+    take(pipe);
+    helper.Finish();
+  } catch (const HelperEnded& ended) {
+    throw UserError(
+        {.place = place,
+         .problem = fmt::format("is damaged or too large: the process that read it {}; write it "
+                                "as CSV",
+                                ended.what())});
+  } catch (const HelperSilent& silent) {
+    throw RunError(fmt::format("{}: the process that reads it {}", place, silent.what()));
+  } catch (const HelperError& problem) {
+    throw UserError({.place = place, .problem = problem.what()});
+  }
+}
+
+void WriteTopics(const std::vector<ListedTopic>& topics, PipeWriter& pipe) {
+  pipe.Count(topics.size());
+  for (const ListedTopic& topic : topics) {
+    pipe.Texts({topic.name, topic.type, topic.problem});
+    pipe.Count(topic.messages);
+    pipe.Number(topic.rate_hz);
+    for (const bool fact : {topic.has_signals, topic.is_taken, topic.has_stamps, topic.is_cut}) {
+      pipe.Count(fact ? 1 : 0);
     }
   }
+}
 
- private:
-  static HelperLimits LimitsFor(std::uintmax_t file_bytes) {
-    HelperLimits limits;
-    constexpr double kStart_s = 5.0;
-    constexpr double kPerByte_s = 1e-6;  // some 20 times as long as it takes
-    limits.processor_s = kStart_s + kPerByte_s * static_cast<double>(file_bytes);
-    limits.memory_bytes = std::size_t{1} << 30;
-    return limits;
+std::vector<ListedTopic> ReadTopics(PipeReader& pipe) {
+  std::vector<ListedTopic> topics(pipe.Count(kMostListed));
+  for (ListedTopic& topic : topics) {
+    std::vector<std::string> texts = pipe.Texts();
+    texts.resize(3);
+    topic.name = OneLine(texts[0]);
+    topic.type = OneLine(texts[1]);
+    topic.problem = OneLine(texts[2]);
+    topic.messages = pipe.Count(UINT64_MAX);
+    topic.rate_hz = pipe.Number();
+    for (bool* fact : {&topic.has_signals, &topic.is_taken, &topic.has_stamps, &topic.is_cut}) {
+      *fact = pipe.Count(1) > 0;
+    }
   }
+  return topics;
+}
 
-  std::string place_;
-  HelperProcess helper_;
-};
+void WriteArrays(const std::vector<ListedArray>& arrays, PipeWriter& pipe) {
+  pipe.Count(arrays.size());
+  for (const ListedArray& array : arrays) {
+    pipe.Text(array.name);
+    for (const std::size_t count : {array.rows, array.columns}) pipe.Count(count);
+    pipe.Count(array.is_taken ? 1 : 0);
+  }
+}
+
+std::vector<ListedArray> ReadArrays(PipeReader& pipe) {
+  std::vector<ListedArray> arrays(pipe.Count(kMostListed));
+  for (ListedArray& array : arrays) {
+    array.name = OneLine(pipe.Text());
+    array.rows = pipe.Count(UINT64_MAX);
+    array.columns = pipe.Count(UINT64_MAX);
+    array.is_taken = pipe.Count(1) > 0;
+  }
+  return arrays;
+}
+
+std::shared_ptr<const Table> Received(PipeReader& pipe) {
+  return std::make_shared<const Table>(ReadTable(pipe));
+}
 
 bool HasArrays(FileFormat format) {
   return format != FileFormat::kText && format != FileFormat::kUtf16 &&
@@ -201,20 +245,17 @@ bool HasArrays(FileFormat format) {
 }
 
 /// Errors: UserError if it is a format that is not read.
-FileFormat ReadableFormat(const fs::path& file) {
-  const FileFormat format = FormatOfFile(file);
-  if (fs::is_directory(file) && WayOut(format).empty() && !HasTopics(format) &&
+void CheckFormat(const fs::path& file, const std::vector<fs::path>& parts, FileFormat format) {
+  if (!parts.empty() && WayOut(format).empty() && !HasTopics(format) &&
       format != FileFormat::kParquet) {
-    throw UserError({.place = DataSetFiles(file).front().string(),
+    throw UserError({.place = parts.front().string(),
                      .problem = fmt::format("is {}, must be MCAP or a ROS 2 bag", NameOf(format))});
   }
   if (const std::string_view way_out = WayOut(format); !way_out.empty()) {
-    const fs::path part = fs::is_directory(file) ? DataSetFiles(file).front() : file;
     throw UserError(
-        {.place = part.string(),
+        {.place = (parts.empty() ? file : parts.front()).string(),
          .problem = fmt::format("is {}, which is not read; {}", NameOf(format), way_out)});
   }
-  return format;
 }
 
 /// LeRobot's meta/info.json in the folder, beside the file or in a folder above it; empty if there
@@ -233,81 +274,93 @@ DatasetInfo InfoOf(const fs::path& file) {
   return {};
 }
 
-CsvReader::Source SourceOf(const std::shared_ptr<HelperText>& text) {
-  return [text](char* buffer, std::size_t size) { return text->Read(buffer, size); };
-}
-
 [[noreturn]] void FailWithoutArrays(const fs::path& file, const std::string& array) {
   throw UserError(
       {.place = file.string(),
        .problem = fmt::format("is text, which has no array or topic {}", Shown(array))});
 }
 
+/// Errors: UserError where a topic has to be chosen first.
+TableInput TableOf(OpenedTable opened, const fs::path& file) {
+  if (opened.table) return std::move(*opened.table);
+  throw UserError({.place = file.string(), .problem = QuestionOf(opened.topics)});
+}
+
+/// The text that begins with `head`.
+TableInput TextTable(const fs::path& file, FileFormat format, std::string head,
+                     CsvReader::Source rest) {
+  CsvReader::Source source = WithHead(std::move(head), std::move(rest));
+  if (format == FileFormat::kBvh) {
+    return std::make_shared<const Table>(TableOfBvh(file.string(), BytesOf(source)));
+  }
+  if (format == FileFormat::kUtf16) source = Utf8Of(std::move(source));
+  TableInput wide = KeypointsInColumns(file.string(), std::move(source));
+  return PlainTable(std::get<CsvReader::Source>(std::move(wide)), InfoOf(file).names);
+}
+
 }  // namespace
 
-CsvReader::Source StoredTable(const fs::path& file, const std::string& array) {
-  const FileFormat format = ReadableFormat(file);
-  if (HasTopics(format)) {
-    return SourceOf(std::make_shared<HelperText>(
-        file, [=](const Write& write) { WriteTopicTable(*MessagesOf(file), array, write); }));
-  }
-  if (!HasArrays(format)) {
-    CsvReader::Source source = FileSource(file);
+OpenedTable OpenStoredTable(const fs::path& file, const std::string& array) {
+  const std::vector<fs::path> parts = DataSetFiles(file);
+  if (parts.empty()) CheckFolder(file);
+  OpenedTable opened;
+  CsvReader::Source source = FileSource(parts.empty() ? file : parts.front());
+  std::string head = BytesOf(source, kFormatBytes);
+  const bool is_data_set = !parts.empty() && parts.front().extension() == ".parquet";
+  opened.format = is_data_set ? FileFormat::kParquet : FormatOfBytes(head);
+  CheckFormat(file, parts, opened.format);
+  opened.file_bytes = RecordingBytes(file, parts);
+  if (!HasTopics(opened.format) && !HasArrays(opened.format)) {
     if (!array.empty()) FailWithoutArrays(file, array);
-    if (format == FileFormat::kBvh) {
-      return WithHead(TableOfBvh(file.string(), BytesOf(source)), nullptr);
-    }
-    if (format == FileFormat::kUtf16) source = Utf8Of(std::move(source));
-    return PlainTable(KeypointsInColumns(file.string(), std::move(source)), InfoOf(file).names);
+    opened.table = TextTable(file, opened.format, std::move(head), std::move(source));
+    return opened;
   }
-  const auto write_table = [array](std::vector<NamedArray> arrays, const auto& write) {
-    WriteTable(std::move(arrays), array, write);
+  source = nullptr;
+  const auto write_topics = [&](PipeWriter& pipe) {
+    const std::unique_ptr<MessageFile> messages = MessagesOf(file, parts);
+    const std::vector<ListedTopic> topics = ListTopics(*messages, array);
+    WriteTopics(topics, pipe);
+    if (std::ranges::any_of(topics, &ListedTopic::is_taken))
+      WriteTopicTable(*messages, array, pipe);
   };
-  return KeypointsInColumns(file.string(), SourceOf(std::make_shared<HelperText>(
-                                               file, format, InfoOf(file), write_table)));
-}
-
-CsvReader::Source TableSource(const fs::path& file, const std::string& array) {
-  return AnglesOfKeypoints(file.string(), StoredTable(file, array));
-}
-
-std::vector<ListedTopic> TopicsIn(const fs::path& file, const std::string& topic) {
-  if (!HasTopics(ReadableFormat(file))) return {};
-  const auto write_topics = [=](const Write& write) {
-    for (const ListedTopic& one : ListTopics(*MessagesOf(file), topic)) {
-      write(fmt::format("{} {} {:d} {:d} {:d} {:d}\n{}\n{}\n{}\n", one.messages, one.rate_hz,
-                        one.has_signals, one.is_taken, one.has_stamps, one.is_cut,
-                        OneLine(one.name), OneLine(one.type), OneLine(one.problem)));
-    }
+  const DatasetInfo info = HasArrays(opened.format) ? InfoOf(file) : DatasetInfo();
+  const auto write_arrays = [&](PipeWriter& pipe) {
+    std::vector<NamedArray> arrays = WithFacts(ArraysOf(file, parts, opened.format, info));
+    WriteArrays(ListArrays(arrays, array), pipe);
+    WriteTable(std::move(arrays), array, pipe);
   };
-  std::vector<ListedTopic> listed;
-  std::istringstream lines(BytesOf(SourceOf(std::make_shared<HelperText>(file, write_topics))));
-  for (ListedTopic one; lines >> one.messages >> one.rate_hz >> one.has_signals >> one.is_taken >>
-                        one.has_stamps >> one.is_cut;) {
-    lines.get();  // the end of the line
-    for (std::string* text : {&one.name, &one.type, &one.problem}) std::getline(lines, *text);
-    listed.push_back(one);
+  std::shared_ptr<const Table> table;
+  FromHelper(file.string(), opened.file_bytes,
+             HasTopics(opened.format) ? Work(write_topics) : Work(write_arrays),
+             [&](PipeReader& pipe) {
+               if (HasTopics(opened.format)) {
+                 opened.topics = ReadTopics(pipe);
+                 if (std::ranges::none_of(opened.topics, &ListedTopic::is_taken)) return;
+               } else {
+                 opened.arrays = ReadArrays(pipe);
+               }
+               table = Received(pipe);
+             });
+  if (table) {
+    opened.table = KeypointsInColumns(file.string(), std::move(table));
+  } else if (opened.topics.empty()) {
+    throw UserError({.place = file.string(), .problem = QuestionOf(opened.topics)});
   }
-  return listed;
+  return opened;
 }
 
-std::vector<ListedArray> ArraysIn(const fs::path& file, const std::string& array) {
-  const FileFormat format = ReadableFormat(file);
-  if (!HasArrays(format)) return {};
-  HelperText helper(file, format, {}, [&array](std::vector<NamedArray> arrays, const auto& write) {
-    for (const auto& [name, rows, columns, is_taken] : ListArrays(std::move(arrays), array)) {
-      write(fmt::format("{} {} {} {}\n", rows, columns, is_taken ? 1 : 0, OneLine(name)));
-    }
-  });
-  std::vector<ListedArray> listed;
-  std::istringstream lines(
-      BytesOf([&helper](char* buffer, std::size_t size) { return helper.Read(buffer, size); }));
-  for (ListedArray one; lines >> one.rows >> one.columns >> one.is_taken;) {
-    lines.get();  // the blank before the name
-    std::getline(lines, one.name);
-    listed.push_back(one);
-  }
-  return listed;
+OpenedTable OpenTable(const fs::path& file, const std::string& array) {
+  OpenedTable opened = OpenStoredTable(file, array);
+  if (opened.table) opened.table = AnglesOfKeypoints(file.string(), std::move(*opened.table));
+  return opened;
+}
+
+TableInput TableSource(const fs::path& file, const std::string& array) {
+  return TableOf(OpenTable(file, array), file);
+}
+
+TableInput StoredTable(const fs::path& file, const std::string& array) {
+  return TableOf(OpenStoredTable(file, array), file);
 }
 
 }  // namespace gauntlet::sim

@@ -16,7 +16,6 @@
 #include "controller/assert.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/tables/csv_reader.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
@@ -397,41 +396,32 @@ std::vector<ListedArray> ListArrays(std::vector<NamedArray> arrays, std::string_
   return Listed(arrays, left_out, chosen);
 }
 
-void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen,
-                const std::function<void(std::string_view)>& write) {
+void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen, PipeWriter& pipe) {
   const std::vector<std::string> left_out = TakeLeftOut(arrays, chosen);
   const double rate_hz = RateIn(arrays);
   arrays = Taken(std::move(arrays), left_out, chosen);
-  const std::size_t rows = arrays.front().rows;
-
   std::vector<std::string> names;
   for (const NamedArray& array : arrays)
     std::ranges::copy(NamesOf(array), std::back_inserter(names));
   const bool has_time = std::ranges::any_of(
       names, [](const std::string& name) { return TimeScaleS(name).has_value(); });
   const bool adds_time = rate_hz > 0.0 && !has_time;
-  fmt::memory_buffer text;
-  const auto out = std::back_inserter(text);
   if (adds_time) names.insert(names.begin(), "time_s");
-  fmt::format_to(out, "{}\n", fmt::join(names, ","));
+  TableWriter table(pipe, names, chosen.empty() ? left_out : std::vector<std::string>(),
+                    arrays.front().rows);
+  const std::size_t rows = arrays.size() == 1 && !adds_time ? 0 : arrays.front().rows;
+  if (rows == 0) table.Rows(arrays.front().values);
+  std::vector<double> values;
   for (std::size_t row = 0; row < rows; ++row) {
-    if (adds_time) fmt::format_to(out, "{},", static_cast<double>(row) / rate_hz);
-    for (std::size_t a = 0; a < arrays.size(); ++a) {
-      const NamedArray& array = arrays[a];
-      for (std::size_t column = 0; column < array.columns; ++column) {
-        if (a + column > 0) text.push_back(',');
-        fmt::format_to(out, "{}", array.values[row * array.columns + column]);
-      }
+    values.clear();
+    if (adds_time) values.push_back(static_cast<double>(row) / rate_hz);
+    for (const NamedArray& array : arrays) {
+      const auto begin = array.values.begin() + static_cast<std::ptrdiff_t>(row * array.columns);
+      values.insert(values.end(), begin, begin + static_cast<std::ptrdiff_t>(array.columns));
     }
-    text.push_back('\n');
-    if (row + 1 == kRowsBeforeRemarks && chosen.empty()) {
-      for (const std::string& line : left_out) fmt::format_to(out, "{}", RemarkLine(line));
-    }
-    constexpr std::size_t kBlockBytes = std::size_t{1} << 16;
-    if (text.size() < kBlockBytes && row + 1 < rows) continue;
-    write({text.data(), text.size()});
-    text.clear();
+    table.Rows(values);
   }
+  table.Finish();
 }
 
 }  // namespace gauntlet::sim

@@ -24,8 +24,6 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::string_view kRemarkMark = "#gauntlet: ";
-
 /// True for two rows with texts and numbers in the same cells, at least one number: the upper one
 /// names no columns.
 bool HaveNumbersInTheSameCells(std::string_view upper, std::string_view lower, char separator) {
@@ -40,17 +38,59 @@ bool HaveNumbersInTheSameCells(std::string_view upper, std::string_view lower, c
 
 }  // namespace
 
-std::string RemarkLine(std::string_view remark) {
-  return fmt::format("{}{}\n", kRemarkMark, OneLine(remark));
-}
-
-CsvReader::CsvReader(std::string name, Source source, ProblemHandling handling, Listener listener,
-                     int skipped_lines)
-    : lines_(std::move(name), std::move(source)),
+CsvReader::CsvReader(std::string name, TableInput input, ProblemHandling handling,
+                     Listener listener, int skipped_lines)
+    : name_(std::move(name)),
+      lines_(name_, std::holds_alternative<Source>(input) ? std::get<Source>(std::move(input))
+                                                          : TextSource("")),
       handling_(handling),
       listener_(std::move(listener)) {
+  if (const auto* const table = std::get_if<std::shared_ptr<const Table>>(&input)) {
+    table_ = *table;
+    TakeTable(**table);
+    if (skipped_lines > 0) FailInRow(1, 1, "is no text, so it has no lines to skip");
+    return;
+  }
   lines_.Skip(skipped_lines);
   ReadFirstLine();
+}
+
+/// Rows are numbered as if the names were in line 1.
+void CsvReader::TakeTable(const Table& table) {
+  header_ = table.names();
+  column_count_ = header_.size();
+  row_ = 1;
+  if (table.rows == 0) FailInRow(1, 1, "the file holds no data");
+  first_row_line_ = 2;
+  meanings_.assign(column_count_, Meaning::kNumber);
+}
+
+/// False at the end.
+bool CsvReader::NextRowOfTable() {
+  if (rows_read_ == table_->rows) return false;
+  row_ = first_row_line_ + rows_read_++;
+  if (IsCutRow()) {
+    Problem(RecordingProblem::kTruncatedRow, 1,
+            fmt::format("the row has 1 of {} values", column_count_));
+  }
+  return true;
+}
+
+std::string CsvReader::TableCell(std::size_t column) const {
+  const TableColumn& is = table_->columns[column];
+  if (column > 0 && IsCutRow()) return "";
+  return is.texts.empty() ? fmt::format("{}", is.numbers[rows_read_ - 1])
+                          : is.texts[rows_read_ - 1];
+}
+
+double CsvReader::TableNumber(std::size_t column) {
+  const TableColumn& is = table_->columns[column];
+  const Meaning meaning = meanings_[column];
+  if (meaning == Meaning::kIgnored || (column > 0 && IsCutRow())) return kMissing;
+  if (meaning == Meaning::kText) return TextNumber(TableCell(column));
+  if (!is.texts.empty()) return Number(is.texts[rows_read_ - 1], column + 1);
+  const double value = is.numbers[rows_read_ - 1];
+  return std::isfinite(value) ? value : Number(TableCell(column), column + 1);
 }
 
 void CsvReader::Fail(std::size_t column, const std::string& problem) const {
@@ -81,7 +121,6 @@ bool CsvReader::NextLine(std::string_view& line) {
     row_ = lines_.number();
     const std::string_view text = Trimmed(line);
     if (!text.empty() && text[0] != '#') return true;
-    if (text.starts_with(kRemarkMark)) remarks_.emplace_back(text.substr(kRemarkMark.size()));
   }
   return false;
 }
@@ -137,9 +176,24 @@ std::vector<std::string> CsvReader::CellsOf(std::string_view line) const {
   return texts;
 }
 
-std::vector<std::vector<std::string>> CsvReader::FirstRows(std::size_t most,
-                                                           std::size_t last_line) {
+std::vector<std::vector<std::string>> CsvReader::FirstRows(std::size_t most, std::size_t last_line,
+                                                           std::size_t most_bytes) {
   const std::size_t row = row_;
+  if (table_) {
+    std::vector<std::vector<std::string>> rows;
+    const std::size_t read = rows_read_;
+    for (std::size_t bytes = 0;
+         rows.size() < most && bytes < most_bytes && rows_read_ < table_->rows;) {
+      ++rows_read_;
+      std::vector<std::string>& cells = rows.emplace_back();
+      for (std::size_t c = 0; c < column_count_; ++c) {
+        cells.push_back(TableCell(c));
+        bytes += cells.back().size() + 1;
+      }
+    }
+    rows_read_ = read;
+    return rows;
+  }
   std::vector<std::vector<std::string>> rows;
   std::vector<TextLine> read;
   std::string_view line;
@@ -156,6 +210,11 @@ std::vector<std::vector<std::string>> CsvReader::FirstRows(std::size_t most,
 
 bool CsvReader::NextRow(std::span<double> values) {
   if (values.size() != column_count_) throw std::logic_error("no place for each value of a row");
+  if (table_) {
+    if (!NextRowOfTable()) return false;
+    for (std::size_t c = 0; c < column_count_; ++c) values[c] = TableNumber(c);
+    return true;
+  }
   std::string_view line;
   if (!NextLine(line)) return false;
   ParseRow(line, values);
@@ -163,6 +222,12 @@ bool CsvReader::NextRow(std::span<double> values) {
 }
 
 bool CsvReader::NextRow(std::vector<std::string>& cells) {
+  if (table_) {
+    if (!NextRowOfTable()) return false;
+    cells.resize(column_count_);
+    for (std::size_t c = 0; c < column_count_; ++c) cells[c] = TableCell(c);
+    return true;
+  }
   std::string_view line;
   if (!NextLine(line)) return false;
   cells = CellsOf(line);

@@ -2,15 +2,18 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "sim/tables/recording_problem.h"
+#include "sim/tables/table.h"
 #include "sim/tables/text_lines.h"
 
 namespace gauntlet::sim {
@@ -30,15 +33,11 @@ constexpr bool GoesOn(ProblemHandling handling) {
   return handling == ProblemHandling::kRepair || handling == ProblemHandling::kRemove;
 }
 
-/// A comment that a CsvReader keeps: what the source of a table has found out about it. It stands
-/// behind so many rows, where no header is looked for.
-std::string RemarkLine(std::string_view remark);
-inline constexpr int kRowsBeforeRemarks = 2;
-
-/// Reads numbers from text with one row a line (see TextLines), in one pass. It owns the shape of
-/// the table: its separator, columns, header and rows are those that it finds, for all who use it.
+/// Reads numbers from a Table, or from text with one row a line (see TextLines), in one pass. It owns
+/// the shape of the table: its separator, columns, header and rows are those that it finds, for all
+/// who use it.
 ///
-/// Takes comma, semicolon, tab or spaces between cells (found from the first line), blank lines,
+/// A text has comma, semicolon, tab or spaces between cells (found from the first line), blank lines,
 /// lines that start with '#', quoted names, and a decimal comma if the separator is another
 /// character. A first line with a cell that is no value (see IsValue) is the header.
 /// An empty cell, `nan` or `NA` is a missing value (see NumberOrMissing). A header one name short
@@ -50,9 +49,9 @@ class CsvReader {
   /// Hears of every problem that was repaired.
   using Listener = std::function<void(RecordingProblem problem, std::size_t row)>;
 
-  /// `name` stands for the file in messages; `skipped_lines` at its beginning are no part of the
-  /// table.
-  CsvReader(std::string name, Source source, ProblemHandling handling, Listener listener = {},
+  /// `name` stands for the file in messages; `skipped_lines` at the beginning of a text are no part
+  /// of the table.
+  CsvReader(std::string name, TableInput input, ProblemHandling handling, Listener listener = {},
             int skipped_lines = 0);
 
   /// Empty if the file has none. A nameless column has an empty name.
@@ -69,8 +68,9 @@ class CsvReader {
   void ReadAsTexts(std::size_t column) { meanings_.at(column) = Meaning::kText; }
 
   /// The first rows that have column_count() cells, as text: at most so many of those up to a line
-  /// of the file. NextRow() gives them again.
-  std::vector<std::vector<std::string>> FirstRows(std::size_t most, std::size_t last_line);
+  /// of the text, and of so many bytes of a Table. NextRow() gives them again.
+  std::vector<std::vector<std::string>> FirstRows(std::size_t most, std::size_t last_line,
+                                                  std::size_t most_bytes = SIZE_MAX);
   /// The next row; false at the end. `values` has column_count() places.
   bool NextRow(std::span<double> values);
   /// Next row as text, without quotes; false at the end.
@@ -81,9 +81,11 @@ class CsvReader {
   std::size_t row() const { return row_; }
   /// Line of the first row of data.
   std::size_t first_row() const { return first_row_line_; }
-  const std::string& name() const { return lines_.name(); }
-  /// Remarks of the source on the table, in the lines of RemarkLine() up to here.
-  const std::vector<std::string>& remarks() const { return remarks_; }
+  const std::string& name() const { return name_; }
+  /// Remarks of the Table.
+  std::vector<std::string> remarks() const {
+    return table_ ? table_->remarks : std::vector<std::string>();
+  }
 
   /// A cell or the name of a column as it may stand in a message: short, printable, in quotes.
   /// '...' stands for what may be of no table at all: for letters in a file of one column, and for
@@ -96,6 +98,11 @@ class CsvReader {
                               const std::string& problem) const;
 
  private:
+  void TakeTable(const Table& table);
+  bool NextRowOfTable();
+  bool IsCutRow() const { return table_->is_cut && rows_read_ == table_->rows; }
+  double TableNumber(std::size_t column);
+  std::string TableCell(std::size_t column) const;
   bool NextLine(std::string_view& line);
   void ReadFirstLine();
   void ReadFirstRowOfData();
@@ -104,11 +111,13 @@ class CsvReader {
   double TextNumber(std::string_view cell);
   void Problem(RecordingProblem problem, std::size_t column, const std::string& message);
 
+  std::string name_;
+  std::shared_ptr<const Table> table_;  // none: text
+  std::size_t rows_read_ = 0;           // of the table
   TextLines lines_;
   ProblemHandling handling_;
   Listener listener_;
   std::vector<std::string> header_;
-  std::vector<std::string> remarks_;
   std::size_t column_count_ = 0;
   char separator_ = ',';
   enum class Meaning : char { kNumber, kTime, kText, kIgnored };

@@ -160,20 +160,6 @@ std::pair<std::string, std::int64_t> PartsOfStem(const fs::path& file) {
   return {stem, number};
 }
 
-/// Errors: UserError for a folder, which is no recording here.
-void CheckFolder(const fs::path& file) {
-  std::error_code ignored;
-  if (!fs::is_directory(file, ignored)) return;
-  const bool is_output = fs::exists(file / "manifest.json", ignored);
-  throw UserError(
-      {.place = file.string(),
-       .problem = is_output
-                      ? "is an output folder of gauntlet, must be a recording: a file, a data "
-                        "set of LeRobot or a ROS 2 bag"
-                      : "is a folder without data/*/*.parquet (LeRobot), .db3 or .mcap "
-                        "(ROS 2); name a file in it"});
-}
-
 /// Errors: UserError if the folder has parts of several bags.
 std::vector<fs::path> BagFiles(const fs::path& folder) {
   std::vector<fs::path> files = ListedFiles(folder);
@@ -257,6 +243,7 @@ FileFormat FormatOfBytes(std::string_view head) {
 std::vector<fs::path> DataSetFiles(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) return files;
   for (const auto& chunk : fs::directory_iterator(folder / "data", ignored)) {
     for (const auto& file : fs::directory_iterator(chunk.path(), ignored)) {
       if (file.path().extension() == ".parquet") files.push_back(file.path());
@@ -271,11 +258,24 @@ bool HasTopics(FileFormat format) {
          format == FileFormat::kRosEcho;
 }
 
-std::uintmax_t RecordingBytes(const fs::path& file) {
-  if (!fs::is_directory(file)) return fs::file_size(file);
+std::uintmax_t RecordingBytes(const fs::path& file, const std::vector<fs::path>& parts) {
+  if (parts.empty()) return fs::file_size(file);
   std::uintmax_t bytes = 0;
-  for (const fs::path& part : DataSetFiles(file)) bytes += fs::file_size(part);
+  for (const fs::path& part : parts) bytes += fs::file_size(part);
   return bytes;
+}
+
+void CheckFolder(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::is_directory(file, ignored)) return;
+  const bool is_output = fs::exists(file / "manifest.json", ignored);
+  throw UserError(
+      {.place = file.string(),
+       .problem = is_output
+                      ? "is an output folder of gauntlet, must be a recording: a file, a data "
+                        "set of LeRobot or a ROS 2 bag"
+                      : "is a folder without data/*/*.parquet (LeRobot), .db3 or .mcap "
+                        "(ROS 2); name a file in it"});
 }
 
 FileFormat FormatOfFile(const std::filesystem::path& file) {

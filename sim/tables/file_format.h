@@ -49,8 +49,11 @@ FileFormat FormatOfFile(const std::filesystem::path& file);
 std::vector<std::filesystem::path> DataSetFiles(const std::filesystem::path& folder);
 /// Files of messages in topics: MCAP, bags of ROS 2 and printed messages.
 bool HasTopics(FileFormat format);
-/// Size of the file, or of those of a data set.
-std::uintmax_t RecordingBytes(const std::filesystem::path& file);
+/// Size of the file, or of its `parts`, the DataSetFiles() of a folder.
+std::uintmax_t RecordingBytes(const std::filesystem::path& file,
+                              const std::vector<std::filesystem::path>& parts);
+/// Errors: UserError for a folder, which is no recording without DataSetFiles().
+void CheckFolder(const std::filesystem::path& file);
 
 /// As a person calls it.
 std::string_view NameOf(FileFormat format);

@@ -107,7 +107,7 @@ std::string ReasonToLeaveOut(const H5::DataSet& dataset, const std::vector<std::
   if (status == H5D_SPACE_STATUS_NOT_ALLOCATED) return "its values were never written";
   if (layout != H5D_CHUNKED) return "";
   const hsize_t unwritten = UnwrittenChunks(dataset, creation, shape);
-  return unwritten == 0 ? "" : fmt::format("{} of its blocks were never written", unwritten);
+  return unwritten == 0 ? "" : fmt::format("blocks that were never written: {}", unwritten);
 }
 
 /// Reads the values as numbers. Errors: UserError with the name of the array.

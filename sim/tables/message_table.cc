@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -12,10 +12,10 @@
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
-#include "sim/tables/csv_reader.h"
 #include "sim/tables/joint_unit.h"
 #include "sim/tables/message_rows.h"
 #include "sim/tables/message_type.h"
+#include "sim/tables/missing.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -170,55 +170,9 @@ TopicFacts FactsOf(MessageFile& file, std::size_t topic, MessageRows& rows) {
   return facts;
 }
 
-/// Writes rows of text in blocks.
-class RowWriter {
- public:
-  explicit RowWriter(const std::function<void(std::string_view)>& write) : write_(write) {}
-
-  void Names(const TopicFacts& facts) {
-    fmt::format_to(std::back_inserter(text_), "time_s,{}\n", fmt::join(facts.columns, ","));
-    for (const std::string& remark : facts.remarks) remarks_ += RemarkLine(remark);
-  }
-  void Row(std::int64_t ns, std::span<const double> values) {
-    Time(ns);
-    for (const double value : values) fmt::format_to(std::back_inserter(text_), ",{}", value);
-    text_.push_back('\n');
-    if (++rows_ == kRowsBeforeRemarks) text_.append(remarks_);
-    constexpr std::size_t kBlockBytes = std::size_t{1} << 16;
-    if (text_.size() > kBlockBytes) Flush();
-    before_ns_ = last_ns_;
-    last_ns_ = ns;
-  }
-  void CutRow() {
-    // A step behind the last row, as far as a time can be.
-    const double next = 2.0 * static_cast<double>(last_ns_) - static_cast<double>(before_ns_);
-    constexpr double kMost = 9e18;
-    Time(static_cast<std::int64_t>(std::clamp(next, -kMost, kMost)));
-    text_.push_back('\n');
-  }
-  void Flush() {
-    write_({text_.data(), text_.size()});
-    text_.clear();
-  }
-
- private:
-  /// All digits of a time since 1970.
-  void Time(std::int64_t ns) {
-    constexpr std::int64_t kSecond = 1000000000;
-    if (ns < 0) {
-      fmt::format_to(std::back_inserter(text_), "{}", static_cast<double>(ns) / kNsPerS);
-    } else {
-      fmt::format_to(std::back_inserter(text_), "{}.{:09}", ns / kSecond, ns % kSecond);
-    }
-  }
-
-  const std::function<void(std::string_view)>& write_;
-  fmt::memory_buffer text_;
-  std::string remarks_;
-  int rows_ = 0;
-  std::int64_t last_ns_ = 0;
-  std::int64_t before_ns_ = 0;
-};
+double SecondsOf(std::int64_t ns) {
+  return static_cast<double>(static_cast<long double>(ns) / kNsPerS);
+}
 
 }  // namespace
 
@@ -245,22 +199,30 @@ std::string QuestionOf(const std::vector<ListedTopic>& topics) {
   return fmt::format("has several topics: {}; --topic NAME takes one", NamesIn(usable));
 }
 
-void WriteTopicTable(MessageFile& file, std::string_view chosen,
-                     const std::function<void(std::string_view)>& write) {
+void WriteTopicTable(MessageFile& file, std::string_view chosen, PipeWriter& pipe) {
   const std::optional<std::size_t> found = FindTopic(file.topics(), chosen);
   if (!found) throw UserError(QuestionOf(ListAll(file)));
   const std::size_t topic = *found;
   MessageRows rows(file.topics()[topic]);
   const TopicFacts facts = FactsOf(file, topic, rows);
-  RowWriter table(write);
-  table.Names(facts);
+  std::vector<std::string> names = facts.columns;
+  names.insert(names.begin(), "time_s");
+  TableWriter table(pipe, names, facts.remarks, file.topics()[topic].messages);
+  std::vector<double> row;
+  std::array<std::int64_t, 2> last_ns = {};  // of the last two rows
+  const auto write = [&](std::int64_t ns, std::span<const double> values_of_row) {
+    last_ns = {last_ns[1], ns};
+    row.assign(1, SecondsOf(ns));
+    row.insert(row.end(), values_of_row.begin(), values_of_row.end());
+    table.Rows(row);
+  };
   std::vector<std::int64_t> times_ns;  // of rows that have to be sorted
   std::vector<double> values;
   ForEachRow(file, topic, rows, [&](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {
     if (rows.columns().size() != facts.columns.size()) throw UserError("changes while it is read");
     const std::int64_t ns = facts.has_stamps ? stamp_ns.value_or(0) : log_ns;
     if (facts.is_sorted) {
-      table.Row(ns, rows.row());
+      write(ns, rows.row());
     } else {
       times_ns.push_back(ns);
       values.insert(values.end(), rows.row().begin(), rows.row().end());
@@ -271,10 +233,17 @@ void WriteTopicTable(MessageFile& file, std::string_view chosen,
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return times_ns[i]; });
   const std::size_t columns = facts.columns.size();
   for (const std::size_t i : order) {
-    table.Row(times_ns[i], std::span(values).subspan(i * columns, columns));
+    write(times_ns[i], std::span(values).subspan(i * columns, columns));
   }
-  if (file.is_cut()) table.CutRow();
-  table.Flush();
+  if (file.is_cut()) {
+    // A step behind the last row, as far as a time can be.
+    constexpr double kMost = 9e18;
+    const double next = 2.0 * static_cast<double>(last_ns[1]) - static_cast<double>(last_ns[0]);
+    row.assign(names.size(), kMissing);
+    row.front() = SecondsOf(static_cast<std::int64_t>(std::clamp(next, -kMost, kMost)));
+    table.Rows(row);
+  }
+  table.Finish(file.is_cut());
 }
 
 }  // namespace gauntlet::sim

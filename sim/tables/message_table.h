@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "sim/tables/message_file.h"
+#include "sim/tables/table_pipe.h"
 
 namespace gauntlet::sim {
 
@@ -35,9 +35,8 @@ std::string QuestionOf(const std::vector<ListedTopic>& topics);
 
 /// The table of the topic that ListTopics() takes: `time_s`, then the columns of MessageRows. The
 /// time is the one in the headers if every message has one, else the recorder's. Rows are sorted
-/// by it. The table of a file that is cut ends with a row that is cut.
+/// by it. The table of a file that is cut is cut, too.
 /// Errors: as ListTopics(); UserError without a place if it takes none.
-void WriteTopicTable(MessageFile& file, std::string_view chosen,
-                     const std::function<void(std::string_view)>& write);
+void WriteTopicTable(MessageFile& file, std::string_view chosen, PipeWriter& pipe);
 
 }  // namespace gauntlet::sim

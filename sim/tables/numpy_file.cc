@@ -45,10 +45,19 @@ using Reader = void (*)(const char* place, bool swapped, std::span<double> value
 
 template <class Number>
 void ReadValues(const char* place, bool swapped, std::span<double> values) {
+  if (!swapped) {
+    for (double& value : values) {
+      Number number;
+      std::memcpy(&number, place, sizeof number);
+      value = static_cast<double>(number);
+      place += sizeof number;
+    }
+    return;
+  }
   for (double& value : values) {
     std::array<char, sizeof(Number)> bytes;
     std::copy_n(place, bytes.size(), bytes.begin());
-    if (swapped) std::ranges::reverse(bytes);
+    std::ranges::reverse(bytes);
     value = static_cast<double>(std::bit_cast<Number>(bytes));
     place += sizeof(Number);
   }
@@ -221,7 +230,7 @@ NamedArray ReadNpy(std::string_view bytes, const std::string& name) {
   if (type.empty()) FailAsDamaged("its header has no type");
   type.remove_prefix(1);
   const bool is_date = type.starts_with('M') || type.starts_with('m');
-  const std::optional<DateUnit> date = is_date ? DateUnitOf(type) : std::nullopt;
+  const std::optional<DateUnit> date = DateUnitOf(is_date ? type : "");
   const Reader reader = is_date ? ReaderOf(type.substr(0, 2)) : ReaderOf(type);
   if (reader == nullptr || (is_date && !date)) {
     return {.name = name, .values = {}, .left_out = std::string(NameOfKind(type))};

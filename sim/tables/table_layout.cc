@@ -309,8 +309,18 @@ TableLayout LayoutOf(const std::string& name, const std::vector<Line>& lines) {
 
 }  // namespace
 
-FoundTable FindTable(const std::string& name, CsvReader::Source source, ProblemHandling handling,
+FoundTable FindTable(const std::string& name, TableInput input, ProblemHandling handling,
                      CsvReader::Listener listener) {
+  if (std::holds_alternative<std::shared_ptr<const Table>>(input)) {
+    CsvReader reader(name, std::move(input), handling, std::move(listener));
+    TableLayout layout;
+    layout.has_header = true;
+    layout.columns = reader.column_count();
+    layout.names = reader.header();
+    layout.rows = reader.FirstRows(kMostRows, 0, kHeadBytes);
+    return {.layout = std::move(layout), .reader = std::move(reader)};
+  }
+  CsvReader::Source source = std::get<CsvReader::Source>(std::move(input));
   std::string head = BytesOf(source, kHeadBytes);
   const std::vector<Line> lines = LinesOf(head);
   TableLayout layout = LayoutOf(name, lines);
@@ -321,7 +331,7 @@ FoundTable FindTable(const std::string& name, CsvReader::Source source, ProblemH
   layout.has_header = layout.has_header && !reader.header().empty();
   if (layout.has_header) layout.names = reader.header();
   layout.names.resize(layout.columns);
-  layout.rows = reader.FirstRows(kMostRows, lines.back().line.number);
+  layout.rows = reader.FirstRows(kMostRows, lines.back().line.number, kHeadBytes);
   if (layout.rows.empty()) FailWithoutTable(name);
   const auto has_comma = [](const auto& row) {
     return std::ranges::any_of(row, [](const std::string& cell) {

@@ -28,9 +28,9 @@ struct FoundTable {
   CsvReader reader;  // before the first row
 };
 
-/// Finds the table in the first 256 KB of the text.
+/// Finds the table in the first 256 KB of a text; a Table has its layout.
 /// Errors: UserError if there is no table, or if it has a row per channel.
-FoundTable FindTable(const std::string& name, CsvReader::Source source, ProblemHandling handling,
+FoundTable FindTable(const std::string& name, TableInput input, ProblemHandling handling,
                      CsvReader::Listener listener = {});
 
 /// Kind of nearly all cells of a column.

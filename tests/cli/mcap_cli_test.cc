@@ -19,6 +19,7 @@
 #include "tests/support/long_test.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
+#include "tests/support/table_text.h"
 
 namespace gauntlet::test {
 namespace {
@@ -62,7 +63,7 @@ TEST(McapOfARun, HasTheValuesAndTimesOfItsCsv) {
   const auto expect_same = [&](const std::string& topic, const std::string& signal,
                                const std::string& prefix, const std::string& suffix) {
     SCOPED_TRACE(topic);
-    const auto columns = ColumnsOf(sim::BytesOf(sim::TableSource(mcap, topic)));
+    const auto columns = ColumnsOf(TextOf(sim::TableSource(mcap, topic)));
     std::size_t compared = 0;
     for (const auto& [name, values] : csv) {
       if (!name.starts_with(signal + ".")) continue;

@@ -16,10 +16,12 @@
 #include "sim/tables/message_rows.h"
 #include "sim/tables/message_table.h"
 #include "sim/tables/numpy_file.h"
+#include "sim/tables/octave_text.h"
 #include "sim/tables/parquet_file.h"
 #include "sim/tables/utf16.h"
 #include "tests/fuzz/edited_copy.h"
 #include "tests/support/source_dir.h"
+#include "tests/support/table_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -68,11 +70,9 @@ const std::string& GoodMcap(bool is_plain) {
 
 /// A table, or a UserError.
 void ReadTopic(const std::string& bytes) {
-  std::size_t lines = 0;
-  WriteTopicTable(*ReadMcap(bytes), "/joint_states", [&lines](std::string_view text) {
-    for (const char letter : text) lines += letter == '\n' ? 1 : 0;
-  });
-  if (lines < 2) std::abort();  // names and a row
+  const std::string text = test::TextFromPipe(
+      [&](PipeWriter& pipe) { WriteTopicTable(*ReadMcap(bytes), "/joint_states", pipe); });
+  if (std::ranges::count(text, '\n') < 2) std::abort();  // names and a row
 }
 
 void ReadMessage(std::string_view bytes) {
@@ -89,25 +89,26 @@ void ReadMessage(std::string_view bytes) {
   }
 }
 
-void CheckTable(std::vector<NamedArray> arrays) {
+void CheckTable(const std::vector<NamedArray>& arrays) {
   for (const NamedArray& array : arrays) {
     if (array.values.size() != array.rows * array.columns) std::abort();
   }
-  std::size_t lines = 0;
-  const auto count = [&lines](std::string_view text) {
-    for (const char letter : text) lines += letter == '\n' ? 1 : 0;
+  const auto table_of = [&](const std::string& chosen) {
+    return test::TextFromPipe([&](PipeWriter& pipe) { WriteTable(arrays, chosen, pipe); });
   };
-  const std::string last = arrays.empty() ? "" : arrays.back().name;
-  WriteTable(arrays, "", count);
-  if (!last.empty() && arrays.back().rows > 1) WriteTable(std::move(arrays), last, count);
-  if (lines < 3) std::abort();  // names and two rows
+  if (std::ranges::count(table_of(""), '\n') < 3) std::abort();  // names and two rows
+  if (!arrays.empty() && arrays.back().rows > 1) table_of(arrays.back().name);
 }
 
 void Read(char format, const std::uint8_t* data, std::size_t size) {
   try {
     // The numbers of the first formats stay those of the inputs that are kept.
-    constexpr std::uint8_t kFirstOfMessages = 250;
-    if (const auto kind = static_cast<std::uint8_t>(format); kind >= kFirstOfMessages) {
+    constexpr std::uint8_t kOctave = 249, kFirstOfMessages = 250;
+    const auto kind = static_cast<std::uint8_t>(format);
+    if (kind == kOctave) {
+      return CheckTable(ReadOctaveText({reinterpret_cast<const char*>(data), size}));
+    }
+    if (kind >= kFirstOfMessages) {
       if (kind % 3 == 0) return ReadMessage({reinterpret_cast<const char*>(data), size});
       return ReadTopic(EditedCopy(GoodMcap(kind % 3 == 1), data, size));
     }

@@ -22,6 +22,7 @@
 #include "sim/tables/source_bytes.h"
 #include "tests/recordings/posed_hand.h"
 #include "tests/support/program.h"
+#include "tests/support/table_text.h"
 
 namespace gauntlet::sim::testing {
 namespace {
@@ -291,7 +292,7 @@ class BvhFiles : public ::testing::Test {
   std::string Read(const std::string& text) const {
     const auto file = folder_.path() / "motion.txt";
     std::ofstream(file, std::ios::binary) << text;
-    return BytesOf(TableSource(file));
+    return test::TextOf(TableSource(file));
   }
   std::string ProblemOf(const std::string& text) const {
     try {
@@ -420,7 +421,7 @@ TEST_F(BvhFiles, OfAHandThatDoesNothingLeaveItOut) {
     constexpr int kOfLeft = 15;
     if (joint++ < kOfLeft) poses.assign(kRows, poses.front());
   }));
-  EXPECT_THAT(right, HasSubstr("#gauntlet: left out: left hand: it never moves"));
+  EXPECT_THAT(right, HasSubstr("# left out: left hand: it never moves"));
   ExpectPosedAngles(right, "");
   // A hand that only jitters has no direction of flexion.
   joint = 0;
@@ -432,7 +433,7 @@ TEST_F(BvhFiles, OfAHandThatDoesNothingLeaveItOut) {
           Eigen::AngleAxisd(0.01 * std::sin(k), Vector3d::UnitY()).toRotationMatrix();
     }
   }));
-  EXPECT_THAT(also_right, HasSubstr("#gauntlet: left out: left hand: the fingers hardly bend"));
+  EXPECT_THAT(also_right, HasSubstr("# left out: left hand: the fingers hardly bend"));
   ExpectPosedAngles(also_right, "right_");
   EXPECT_THAT(also_right, Not(HasSubstr("left_index")));
   // Neither does, or one finger does not.

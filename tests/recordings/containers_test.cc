@@ -25,6 +25,7 @@
 #include "sim/tables/octave_text.h"
 #include "sim/tables/source_bytes.h"
 #include "tests/support/program.h"
+#include "tests/support/table_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -127,12 +128,10 @@ TEST(WriteTable, ListsWhatIsLeftOutUnlessAnArrayIsChosen) {
       {.name = "note", .values = {}, .left_out = "texts"},
       {.name = "field", .values = {}, .left_out = "complex numbers"}};
   const auto table_of = [&](std::string_view chosen) {
-    std::string text;
-    WriteTable(arrays, chosen, [&text](std::string_view part) { text += part; });
-    return text;
+    return test::TextFromPipe([&](PipeWriter& pipe) { WriteTable(arrays, chosen, pipe); });
   };
-  EXPECT_EQ(table_of(""), "a\n1\n2\n" + RemarkLine("left out: field (complex numbers)") +
-                              RemarkLine("left out: label, note (texts)") + "3\n");
+  EXPECT_EQ(table_of(""), "a\n1\n2\n" + test::RemarkLine("left out: field (complex numbers)") +
+                              test::RemarkLine("left out: label, note (texts)") + "3\n");
   EXPECT_EQ(table_of("a"), "a\n1\n2\n3\n");
   try {
     table_of("field");
@@ -201,7 +200,7 @@ class Containers : public ::testing::Test {
  protected:
   fs::path Path(const std::string& name) const { return folder_.path() / name; }
   static std::string TableOf(const fs::path& file, const std::string& array = "") {
-    return BytesOf(TableSource(file, array));
+    return test::TextOf(TableSource(file, array));
   }
   std::string ErrorOf(const fs::path& file, const std::string& array = "") const {
     try {
@@ -231,8 +230,9 @@ TEST_F(Containers, Hdf5WithoutLinkedFilesHasItsOwnArrays) {
     output.link(H5L_TYPE_SOFT, "/moved", "old");
     H5Lcreate_external("camera.h5", "/frames", output.getId(), "video", H5P_DEFAULT, H5P_DEFAULT);
   }
-  EXPECT_EQ(TableOf(file), "a\n0\n1\n" + RemarkLine("left out: video (a link into another file)") +
-                               RemarkLine("left out: old (a link that leads nowhere)") + "2\n");
+  EXPECT_EQ(TableOf(file),
+            "a\n0\n1\n" + test::RemarkLine("left out: video (a link into another file)") +
+                test::RemarkLine("left out: old (a link that leads nowhere)") + "2\n");
   EXPECT_THAT(ErrorOf(file, "old"), HasSubstr("holds old, which is left out (a link that leads"));
 }
 
@@ -264,8 +264,8 @@ TEST_F(Containers, Hdf5WhoseValuesAreNotInTheFileIsLeftOut) {
   for (const char* line : {"left out: mapped (virtual: its values are in other datasets or files)",
                            "left out: empty (its values were never written)",
                            "left out: raw (its values are in another file)",
-                           "left out: half (1 of its blocks were never written)"}) {
-    EXPECT_THAT(table, HasSubstr(RemarkLine(line)));
+                           "left out: half (blocks that were never written: 1)"}) {
+    EXPECT_THAT(table, HasSubstr(test::RemarkLine(line)));
   }
 }
 

@@ -18,6 +18,7 @@
 #include "sim/tables/numpy_file.h"
 #include "sim/tables/utf16.h"
 #include "tests/support/program.h"
+#include "tests/support/table_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -91,10 +92,8 @@ TEST(Npy, ThatIsDamagedIsRefused) {
   EXPECT_THAT(ErrorOf([] { ReadNpz("PK\x03\x04"); }), HasSubstr("directory of the ZIP is missing"));
 }
 
-std::string TableOf(std::vector<NamedArray> arrays, std::string_view chosen = "") {
-  std::string text;
-  WriteTable(std::move(arrays), chosen, [&text](std::string_view more) { text += more; });
-  return text;
+std::string TableOf(const std::vector<NamedArray>& arrays, std::string_view chosen = "") {
+  return test::TextFromPipe([&](PipeWriter& pipe) { WriteTable(arrays, chosen, pipe); });
 }
 
 TEST(WriteTable, PutsArraysOfTheSameLengthSideBySide) {
@@ -220,20 +219,20 @@ TEST(TableSource, ChoosesAnArrayAndListsThemAll) {
   const std::filesystem::path file = folder.path() / "a.json";
   std::ofstream(file)
       << R"({"a": {"t": [0, 1], "x": [3, 4]}, "b": {"x": [[1, 2], [3, 4], [5, 6]]}})";
-  EXPECT_EQ(AllOf(TableSource(file)), "b_x_1,b_x_2\n1,2\n3,4\n5,6\n");
-  EXPECT_EQ(AllOf(TableSource(file, "a.x")), "t,a_x\n0,3\n1,4\n");
+  EXPECT_EQ(test::TextOf(TableSource(file)), "b_x_1,b_x_2\n1,2\n3,4\n5,6\n");
+  EXPECT_EQ(test::TextOf(TableSource(file, "a.x")), "t,a_x\n0,3\n1,4\n");
   std::string listed;
-  for (const ListedArray& array : ArraysIn(file, "a")) {
+  for (const ListedArray& array : OpenTable(file, "a").arrays) {
     listed += fmt::format("{}{} ", array.name, array.is_taken ? "+" : "");
   }
   EXPECT_EQ(listed, "a_t+ a_x+ b_x_1 b_x_2 ");
-  EXPECT_THAT(ErrorOf([&] { AllOf(TableSource(file, "c")); }),
+  EXPECT_THAT(ErrorOf([&] { test::TextOf(TableSource(file, "c")); }),
               HasSubstr("a.json: holds no array c, but a_t (2 x 1)"));
   const std::filesystem::path text = folder.path() / "a.csv";
   std::ofstream(text) << "t,x\n0,1\n";
   EXPECT_THAT(ErrorOf([&] { TableSource(text, "x"); }),
               HasSubstr("is text, which has no array or topic x"));
-  EXPECT_TRUE(ArraysIn(text).empty());
+  EXPECT_TRUE(OpenTable(text).arrays.empty());
 }
 
 TEST(FormatOfBytes, KnowsTextFromWhatIsNone) {
@@ -266,11 +265,8 @@ TEST(WithFacts, NamesColumnsAndUnitsByTheTextsBesideThem) {
 
 TEST(WriteTable, TakesTheRateFromAFrameDuration) {
   const auto first_line_of = [](const char* name, double value) {
-    std::string text;
-    WriteTable({{.name = name, .rows = 1, .columns = 1, .values = {value}},
-                {.name = "a", .rows = 3, .columns = 1, .values = {7, 8, 9}}},
-               "", [&text](std::string_view part) { text += part; });
-    return text;
+    return TableOf({{.name = name, .rows = 1, .columns = 1, .values = {value}},
+                    {.name = "a", .rows = 3, .columns = 1, .values = {7, 8, 9}}});
   };
   EXPECT_EQ(first_line_of("FrameDuration", 0.02), "time_s,a\n0,7\n0.02,8\n0.04,9\n");
   EXPECT_EQ(first_line_of("FrameDuration", 20.0), "time_s,a\n0,7\n0.02,8\n0.04,9\n");

@@ -24,6 +24,7 @@
 #include "sim/tables/joint_unit.h"
 #include "sim/tables/source_bytes.h"
 #include "tests/recordings/posed_hand.h"
+#include "tests/support/table_text.h"
 
 namespace gauntlet::sim::testing {
 namespace {
@@ -298,7 +299,7 @@ struct AngleTable {
 
 AngleTable TableOf(const fs::path& file) {
   AngleTable table;
-  const std::string text = BytesOf(TableSource(file));
+  const std::string text = test::TextOf(TableSource(file));
   std::vector<std::string> names;
   for (const std::string_view line : SplitLines(text)) {
     if (line.starts_with('#')) {
@@ -511,7 +512,7 @@ TEST_F(KeypointFiles, AreRefusedWhereTheyCannotBeTold) {
     std::vector<HandPoints> frames = points_;
     for (HandPoints& frame : frames) change(frame);
     try {
-      BytesOf(TableSource(Written("refused.csv", MediaPipeText(frames))));
+      test::TextOf(TableSource(Written("refused.csv", MediaPipeText(frames))));
     } catch (const UserError& error) {
       return std::string(error.what());
     }

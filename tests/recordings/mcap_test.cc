@@ -30,6 +30,7 @@
 #include "sim/tables/source_bytes.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
+#include "tests/support/table_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -69,12 +70,12 @@ Columns ColumnsOf(const std::string& text) {
 }
 
 Columns TableOfTopic(const fs::path& file, const std::string& topic) {
-  return ColumnsOf(BytesOf(TableSource(file, topic)));
+  return ColumnsOf(test::TextOf(TableSource(file, topic)));
 }
 
 std::string ErrorOfTopic(const fs::path& file, const std::string& topic = {}) {
   try {
-    BytesOf(TableSource(file, topic));
+    test::TextOf(TableSource(file, topic));
   } catch (const UserError& error) {
     return error.what();
   }
@@ -131,7 +132,7 @@ TEST(Mcap, OfAnotherImplementationIsReadInEveryForm) {
 TEST(Mcap, HasTopicsToChooseFrom) {
   for (const char* name : {"zstd.mcap", "no_index.mcap"}) {
     const fs::path file = ShippedMcap(name);
-    const std::vector<ListedTopic> topics = TopicsIn(file, "/joint_states");
+    const std::vector<ListedTopic> topics = OpenTable(file, "/joint_states").topics;
     ASSERT_EQ(topics.size(), 4U);
     EXPECT_EQ(topics[0].name, "/joint_states");
     EXPECT_EQ(topics[0].type, "sensor_msgs/msg/JointState");
@@ -139,7 +140,7 @@ TEST(Mcap, HasTopicsToChooseFrom) {
     EXPECT_NEAR(topics[0].rate_hz, 100.0, 0.01);
     EXPECT_TRUE(topics[0].is_taken && topics[0].has_stamps && !topics[0].is_cut);
     EXPECT_FALSE(topics[1].is_taken);
-    EXPECT_FALSE(TopicsIn(file, "/commands")[1].has_stamps);
+    EXPECT_FALSE(OpenTable(file, "/commands").topics[1].has_stamps);
     EXPECT_EQ(topics[3].messages, 6U);
     EXPECT_THAT(topics[3].problem, HasSubstr("encoded as protobuf, not as cdr or json"));
     EXPECT_THAT(ErrorOfTopic(file),
@@ -166,7 +167,7 @@ class BagTest : public testing::Test {
 TEST_F(BagTest, ThatIsCutHasItsWholeMessages) {
   const std::string whole = BytesOfMcap(ShippedMcap("plain.mcap"));
   const fs::path half = Write("half.mcap", whole.substr(0, whole.size() / 2));
-  const std::vector<ListedTopic> topics = TopicsIn(half, "/joint_states");
+  const std::vector<ListedTopic> topics = OpenTable(half, "/joint_states").topics;
   const auto messages = static_cast<int>(topics[0].messages);
   EXPECT_GT(messages, 20);
   EXPECT_LT(messages, 40);
@@ -179,16 +180,14 @@ TEST_F(BagTest, ThatIsCutHasItsWholeMessages) {
 // Every byte of a file, changed in several ways, and every length of it.
 TEST(Mcap, ThatIsDamagedIsReadOrRefused) {
   const auto read = [](const std::string& bytes) {
-    std::string text;
     try {
       const std::unique_ptr<MessageFile> messages = ReadMcap(bytes);
-      WriteTopicTable(*messages, "/joint_states",
-                      [&](std::string_view part) { text.append(part); });
+      return test::TextFromPipe(
+          [&](PipeWriter& pipe) { WriteTopicTable(*messages, "/joint_states", pipe); });
     } catch (const UserError& error) {
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
       return ""s;
     }
-    return text;
   };
   for (const char* name : {"zstd.mcap", "lz4.mcap", "plain.mcap"}) {
     SCOPED_TRACE(name);
@@ -269,9 +268,8 @@ TEST_F(BagTest, OfSqliteIsReadByTheTypesThatGauntletKnows) {
           {{3000000000, JointStateMessage(2500000000, {"a", "b"}, {5, 6})},
            {1000000000, JointStateMessage(500000000, {"b", "a"}, {2, 1})},
            {2000000000, JointStateMessage(1500000000, {"a", "b"}, {3, 4})}});
-  EXPECT_EQ(BytesOf(TableSource(file)),
-            "time_s,b_rad,a_rad\n0.500000000,2,1\n1.500000000,4,3\n2.500000000,6,5\n");
-  const std::vector<ListedTopic> topics = TopicsIn(file);
+  EXPECT_EQ(test::TextOf(TableSource(file)), "time_s,b_rad,a_rad\n0.5,2,1\n1.5,4,3\n2.5,6,5\n");
+  const std::vector<ListedTopic> topics = OpenTable(file).topics;
   ASSERT_EQ(topics.size(), 2U);
   EXPECT_NEAR(topics[0].rate_hz, 1.0, 1e-9);
   EXPECT_THAT(topics[1].problem, HasSubstr("no definition of rcl_interfaces/msg/Log"));
@@ -288,11 +286,11 @@ TEST_F(BagTest, NamesTheUnitOfJointsThatSlide) {
         ns, JointStateMessage(ns, {"gripper", "elbow", "pan"}, {0.01 * k, 0.5 * k, 40.0 * k}));
   }
   MakeBag(file, "sensor_msgs/msg/JointState", messages);
-  EXPECT_EQ(BytesOf(TableSource(file)),
-            "time_s,gripper_m,elbow_rad,pan\n1.000000000,0,0,0\n2.000000000,0.01,0.5,40\n"
-            "#gauntlet: gripper: metres (assumed: a gripper by its name, up to 0.02)\n"
-            "#gauntlet: pan: up to 80, beyond a turn in radians, so the unit is unknown\n"
-            "3.000000000,0.02,1,80\n");
+  EXPECT_EQ(test::TextOf(TableSource(file)),
+            "time_s,gripper_m,elbow_rad,pan\n1,0,0,0\n2,0.01,0.5,40\n"
+            "# gripper: metres (assumed: a gripper by its name, up to 0.02)\n"
+            "# pan: up to 80, beyond a turn in radians, so the unit is unknown\n"
+            "3,0.02,1,80\n");
 }
 
 TEST_F(BagTest, OfSqliteIsReadByTheDefinitionsInIt) {
@@ -303,7 +301,7 @@ TEST_F(BagTest, OfSqliteIsReadByTheDefinitionsInIt) {
   const std::vector<std::pair<std::int64_t, std::string>> messages = {
       {1000000000, std::string(first.message())}, {1010000000, std::string(second.message())}};
   MakeBag(file, "my_msgs/msg/Flex", messages, "float64[] flex\n");
-  EXPECT_EQ(BytesOf(TableSource(file)), "time_s,flex_1,flex_2\n1.000000000,1,2\n1.010000000,3,4\n");
+  EXPECT_EQ(test::TextOf(TableSource(file)), "time_s,flex_1,flex_2\n1,1,2\n1.01,3,4\n");
   MakeBag(file, "my_msgs/msg/Flex", messages);
   EXPECT_THAT(ErrorOfTopic(file), HasSubstr("no definition of my_msgs/msg/Flex as ros2msg"));
   // Of another type than it says: one byte too few, or too many.
@@ -322,14 +320,14 @@ TEST_F(BagTest, IsAFolderOfParts) {
   MakeBag(folder_.path() / "bag_2.db3", "sensor_msgs/msg/JointState", {message(0), message(1)});
   MakeBag(folder_.path() / "bag_10.db3", "sensor_msgs/msg/JointState", {message(2)});
   EXPECT_EQ(FormatOfFile(folder_.path()), FileFormat::kSqlite);
-  const std::string table = "time_s,a_rad\n1.000000000,0\n1.010000000,1\n1.020000000,2\n";
-  EXPECT_EQ(BytesOf(TableSource(folder_.path())), table);
-  EXPECT_EQ(TopicsIn(folder_.path())[0].messages, 3U);
+  const std::string table = "time_s,a_rad\n1,0\n1.01,1\n1.02,2\n";
+  EXPECT_EQ(test::TextOf(TableSource(folder_.path())), table);
+  EXPECT_EQ(OpenTable(folder_.path()).topics[0].messages, 3U);
   // Rows are sorted by time whatever the order of the files is.
   Write("metadata.yaml",
         "rosbag2_bagfile_information:\n  version: 5\n  relative_file_paths:\n    - bag_10.db3\n    "
         "- \"bag_2.db3\"\n  duration:\n    nanoseconds: 1\n");
-  EXPECT_EQ(BytesOf(TableSource(folder_.path())), table);
+  EXPECT_EQ(test::TextOf(TableSource(folder_.path())), table);
   Write("metadata.yaml", "relative_file_paths:\n  - bag_10.db3\n  - bag_3.db3\n");
   EXPECT_THAT(ErrorOfTopic(folder_.path()), HasSubstr("bag_3.db3"));
   Write("metadata.yaml", "relative_file_paths:\n  - bag_3.db3\n");
@@ -338,7 +336,7 @@ TEST_F(BagTest, IsAFolderOfParts) {
   fs::remove(folder_.path() / "bag_3.db3");
   // Compressed as a whole: the unpacked file is taken, whatever is listed.
   Write("metadata.yaml", "relative_file_paths:\n  - bag_2.db3.zstd\n");
-  EXPECT_EQ(BytesOf(TableSource(folder_.path())), "time_s,a_rad\n1.000000000,0\n1.010000000,1\n");
+  EXPECT_EQ(test::TextOf(TableSource(folder_.path())), "time_s,a_rad\n1,0\n1.01,1\n");
   Write("metadata.yaml", "relative_file_paths:\n  - bag_4.db3.zstd\n");
   Write("bag_4.db3.zstd", "\x28\xb5\x2f\xfd..");
   EXPECT_THAT(ErrorOfTopic(folder_.path()),

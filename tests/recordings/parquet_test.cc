@@ -20,6 +20,7 @@
 #include "sim/tables/source_bytes.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
+#include "tests/support/table_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -69,7 +70,7 @@ TEST(Parquet, OfAnotherImplementationIsReadInEveryCompression) {
 
 std::string ErrorOfFolder(const std::filesystem::path& folder) {
   try {
-    BytesOf(TableSource(folder));
+    test::TextOf(TableSource(folder));
   } catch (const UserError& error) {
     return error.what();
   }
@@ -85,16 +86,17 @@ TEST(Parquet, OfADataSetHasItsNamesAndExactTimes) {
       << R"({"fps": 30, "features": {"action": {"names": ["wrist.pos", "tip.pos", "grip.pos"]}}})";
   std::ofstream(chunk / "file-000.parquet", std::ios::binary) << Shipped("snappy.parquet");
   std::ofstream(chunk / "file-001.parquet", std::ios::binary) << Shipped("gzip.parquet");
-  const std::string text = BytesOf(TableSource(folder.path()));
+  const std::string text = test::TextOf(TableSource(folder.path()));
   EXPECT_THAT(text, testing::StartsWith("action_wrist_pos,action_tip_pos,action_grip_pos,"));
   EXPECT_EQ(std::ranges::count(text, '\n'), 122);
-  EXPECT_THAT(text, HasSubstr(RemarkLine("left out: task (texts)")));
+  EXPECT_THAT(text, HasSubstr(test::RemarkLine("left out: task (texts)")));
   EXPECT_THAT(text, HasSubstr(fmt::format("\n31,15.5,-31,{},", 1.0 / 30)));
   // Other writers put the names into another list or object.
   for (const char* names : {R"([["a", "b", "c"]])", R"({"motors": ["a", "b", "c"]})"}) {
     std::ofstream(folder.path() / "meta" / "info.json")
         << fmt::format(R"({{"features": {{"action": {{"names": {}}}}}}})", names);
-    EXPECT_THAT(BytesOf(TableSource(folder.path())), testing::StartsWith("action_a,action_b,"));
+    EXPECT_THAT(test::TextOf(TableSource(folder.path())),
+                testing::StartsWith("action_a,action_b,"));
   }
   std::ofstream(chunk / "file-001.parquet") << "version https://git-lfs.github.com/spec/v1\n";
   EXPECT_THAT(ErrorOfFolder(folder.path()),

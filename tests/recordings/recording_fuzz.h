@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
+#include <memory>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -15,7 +16,6 @@
 #include "sim/recordings/keypoints/keypoint_table.h"
 #include "sim/recordings/recording_reader.h"
 #include "sim/tables/file_format.h"
-#include "sim/tables/source_bytes.h"
 
 namespace gauntlet::sim {
 
@@ -29,11 +29,11 @@ inline void ReadFuzzedRecording(const std::uint8_t* data, std::size_t size) {
   format.rate_hz = data[0] & 128 ? 100.0 : 0.0;
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
   try {
-    CsvReader::Source source = TextSource(text);
+    TableInput input = TextSource(text);
     if (FormatOfBytes(text) == FileFormat::kBvh) {
-      source = AnglesOfKeypoints("fuzz", WithHead(TableOfBvh("fuzz", text), nullptr));
+      input = AnglesOfKeypoints("fuzz", std::make_shared<const Table>(TableOfBvh("fuzz", text)));
     }
-    RecordingReader reader("fuzz", std::move(source), format);
+    RecordingReader reader("fuzz", std::move(input), format);
     std::vector<double> angles(KnownChannels().size());
     double before_s = -std::numeric_limits<double>::infinity();
     double time_s = 0.0;

@@ -24,6 +24,7 @@
 #include "sim/tables/source_bytes.h"
 #include "tests/recordings/posed_hand.h"
 #include "tests/support/program.h"
+#include "tests/support/table_text.h"
 
 namespace gauntlet::sim::testing {
 namespace {
@@ -160,7 +161,7 @@ class RotationFiles : public ::testing::Test {
   }
   /// What a file is read as.
   std::string Read(const std::string& text, const std::string& name = "hand.csv") const {
-    return BytesOf(TableSource(Written(name, text)));
+    return test::TextOf(TableSource(Written(name, text)));
   }
   std::string ProblemOf(const std::string& text) const {
     try {

@@ -29,9 +29,11 @@
 namespace gauntlet::sim {
 namespace {
 
-/// The beginning of a source, cut at the end of a line. `is_whole` becomes false if the source has
-/// more.
-CsvReader::Source BeginningOf(CsvReader::Source source, const std::shared_ptr<bool>& is_whole) {
+/// A table as it is, or the beginning of a text, cut at the end of a line. `is_whole` becomes false
+/// if the text has more.
+TableInput BeginningOf(TableInput input, const std::shared_ptr<bool>& is_whole) {
+  if (!std::holds_alternative<CsvReader::Source>(input)) return input;
+  auto source = std::get<CsvReader::Source>(std::move(input));
   return [source = std::move(source), is_whole, given = std::uintmax_t{0}](
              char* buffer, std::size_t size) mutable -> std::size_t {
     if (!*is_whole) return 0;
@@ -256,9 +258,10 @@ bool IsRectified(const ColumnStatistics& is) {
   return is.low >= 0.0 && is.usual_low < kNearZero * is.usual_high;
 }
 
-/// Replaces the statistics of raw muscle signals by those of their envelopes.
-void TakeEnvelopes(const std::filesystem::path& file, const std::string& array,
-                   const TimeGuess& time, Inspection& inspection) {
+/// Replaces the statistics of raw muscle signals by those of their envelopes. `table`: of the file;
+/// a text has been read, and is opened again.
+void TakeEnvelopes(const std::filesystem::path& file, TableInput table, const TimeGuess& time,
+                   Inspection& inspection) {
   std::vector<std::pair<std::size_t, Envelope>> envelopes;
   for (const std::size_t c : inspection.Sensors()) {
     if (inspection.columns[c].quantity != Quantity::kMuscle) continue;
@@ -267,8 +270,9 @@ void TakeEnvelopes(const std::filesystem::path& file, const std::string& array,
   }
   if (envelopes.empty()) return;
   const auto is_whole = std::make_shared<bool>(true);
-  auto [layout, reader] = FindTable(file.string(), BeginningOf(TableSource(file, array), is_whole),
-                                    ProblemHandling::kRepair);
+  if (std::holds_alternative<CsvReader::Source>(table)) table = TableSource(file, inspection.array);
+  auto [layout, reader] =
+      FindTable(file.string(), BeginningOf(std::move(table), is_whole), ProblemHandling::kRepair);
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     if (inspection.columns[c].kind == CellKind::kText) reader.Ignore(c);
     if (inspection.columns[c].kind == CellKind::kTime) reader.ReadAsTime(c);
@@ -738,20 +742,20 @@ std::vector<std::size_t> Inspection::Sensors() const {
 Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& options) {
   Inspection inspection;
   inspection.file = file.string();
-  inspection.format = FormatOfFile(file);
-  inspection.file_bytes = RecordingBytes(file);
   inspection.array = options.array;
-  inspection.arrays = ArraysIn(file, options.array);
-  inspection.topics = TopicsIn(file, options.array);
-  if (!inspection.topics.empty() &&
-      std::ranges::none_of(inspection.topics, &ListedTopic::is_taken)) {
+  OpenedTable opened = OpenTable(file, options.array);
+  inspection.format = opened.format;
+  inspection.file_bytes = opened.file_bytes;
+  inspection.arrays = std::move(opened.arrays);
+  inspection.topics = std::move(opened.topics);
+  if (!opened.table) {
     inspection.question = QuestionOf(inspection.topics);
     return inspection;
   }
   const auto is_whole = std::make_shared<bool>(true);
   auto [layout, reader] =
-      FindTable(file.string(), BeginningOf(TableSource(file, options.array), is_whole),
-                ProblemHandling::kRepair, [&inspection](RecordingProblem problem, std::size_t) {
+      FindTable(file.string(), BeginningOf(*opened.table, is_whole), ProblemHandling::kRepair,
+                [&inspection](RecordingProblem problem, std::size_t) {
                   ++inspection.problems[std::string(NameOf(problem))];
                 });
   inspection.layout = std::move(layout);
@@ -765,7 +769,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   std::vector<RowGroups> groups = GroupsToWatch(inspection);
   const TableStatistics statistics = ReadTable(time, inspection.columns, reader, groups);
   inspection.is_whole = *is_whole;
-  inspection.remarks = reader.remarks();
+  for (const std::string& remark : reader.remarks()) inspection.remarks.push_back(OneLine(remark));
   inspection.rows = statistics.rows();
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     if (inspection.columns[c].kind == CellKind::kNumber) {
@@ -778,7 +782,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   if (time.unit_is_guessed) inspection.noted_rate_hz = noted_rate_hz;
   KeepPicture(statistics, inspection);
   FindJoints(statistics, groups, options, map, inspection);
-  TakeEnvelopes(file, options.array, time, inspection);
+  TakeEnvelopes(file, std::move(*opened.table), time, inspection);
   return inspection;
 }
 

@@ -21,7 +21,7 @@
 #include "sim/base/text.h"
 #include "sim/recordings/keypoints/bone_names.h"
 #include "sim/recordings/keypoints/keypoint_layout.h"
-#include "sim/tables/csv_reader.h"
+#include "sim/tables/missing.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
@@ -379,7 +379,7 @@ Quaterniond RotationOf(const StraightJoint& straight, const std::vector<double>&
 
 }  // namespace
 
-std::string TableOfBvh(const std::string& name, std::string_view text) {
+Table TableOfBvh(const std::string& name, std::string_view text) {
   const Bvh bvh = ReadBvh(name, text);
   std::vector<std::string> remarks = bvh.remarks, problems, names = {"time_s"};
   std::vector<StraightJoint> columns;
@@ -415,18 +415,17 @@ std::string TableOfBvh(const std::string& name, std::string_view text) {
                  : fmt::format("has no hand that can be read; {}", fmt::join(problems, "; "))});
   }
   for (const std::string& problem : problems) remarks.push_back("left out: " + problem);
-  std::string table = CsvLine(names);
+  Table table{.columns = {}, .rows = bvh.frames.size(), .remarks = std::move(remarks)};
+  for (std::string& column : names) table.columns.push_back({.name = std::move(column)});
   for (std::size_t k = 0; k < bvh.frames.size(); ++k) {
-    table += fmt::format("{:.10g}", bvh.frame_time_s * static_cast<double>(k));
+    auto column = table.columns.begin();
+    const auto add = [&column](double value) {
+      (column++)->numbers.push_back(std::isfinite(value) ? value : kMissing);
+    };
+    add(bvh.frame_time_s * static_cast<double>(k));
     for (const StraightJoint& joint : columns) {
       const Quaterniond q = RotationOf(joint, bvh.frames[k]);
-      for (const double value : {q.w(), q.x(), q.y(), q.z()}) {
-        table += std::isfinite(value) ? fmt::format(",{:.10g}", value) : ",";
-      }
-    }
-    table += '\n';
-    if (k + 1 == kRowsBeforeRemarks) {
-      for (const std::string& remark : remarks) table += RemarkLine(remark);
+      for (const double value : {q.w(), q.x(), q.y(), q.z()}) add(value);
     }
   }
   return table;

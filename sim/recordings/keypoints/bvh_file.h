@@ -3,6 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "sim/tables/table.h"
+
 namespace gauntlet::sim {
 
 /// The table of a BVH file: a column `time_s` and the rotations of the bones of its hands relative
@@ -15,8 +17,8 @@ namespace gauntlet::sim {
 /// F turns the first bone of a digit to this one in the rest pose, as the OFFSETs describe it, step
 /// by step: so PIP, DIP and the thumb's angles are 0 where the bones are straight. Those of the MCP
 /// of a finger are 0 in the rest pose. The end of a digit counts if it is within 45 deg of the bone
-/// before. RemarkLine()s tell by how much the OFFSETs correct, hands that are left out, and a
-/// number of rows other than Frames.
+/// before. Remarks are the correction by the OFFSETs, hands that are left out, and a number of rows
+/// other than Frames.
 /// A last row that was cut is left out.
 ///
 /// Units: angles of the file in degrees, Frame Time in s.
@@ -24,6 +26,6 @@ namespace gauntlet::sim {
 /// CS-01-11, section 2 (Biovision).
 /// Errors: UserError `name:line: ..` where the text is no BVH; UserError with `name` if no hand is
 /// whole, or its joints may be other ones than their names say.
-std::string TableOfBvh(const std::string& name, std::string_view text);
+Table TableOfBvh(const std::string& name, std::string_view text);
 
 }  // namespace gauntlet::sim

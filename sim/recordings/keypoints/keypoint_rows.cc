@@ -212,7 +212,14 @@ bool HasHandLines(std::string_view head) {
 
 }  // namespace
 
-CsvReader::Source KeypointsInColumns(const std::string& name, CsvReader::Source source) {
+TableInput KeypointsInColumns(const std::string& name, TableInput input) {
+  if (const auto* const table = std::get_if<std::shared_ptr<const Table>>(&input)) {
+    const std::optional<RowForm> form = RowFormOf((*table)->names());
+    if (!form) return input;
+    CsvReader reader(name, std::move(input), ProblemHandling::kRepair);
+    return WithHead(WideText(reader, *form), nullptr);
+  }
+  auto source = std::get<CsvReader::Source>(std::move(input));
   std::string head = BytesOf(source, kLongestHead);
   if (HasHandLines(head)) {
     return WithHead(TextOfHandLines(head + BytesOf(source)), nullptr);

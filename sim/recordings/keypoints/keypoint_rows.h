@@ -6,8 +6,8 @@
 
 namespace gauntlet::sim {
 
-/// Keypoints of a frame in one row, from a text in which each has a row or each hand a line; any
-/// other text as it is.
+/// Keypoints of a frame in one row, from a table in which each has a row, or from a text in which
+/// each hand has a line; any other input as it is.
 ///
 /// - a row per keypoint: columns x, y, z and one that names or numbers the keypoint (`landmark`,
 ///   `joint` ..), with a time or the number of the frame; a column of the hand (`hand`, `side` ..)
@@ -19,6 +19,6 @@ namespace gauntlet::sim {
 /// Source: wengmister/hand-tracking-streamer, CONNECTIONS.md.
 /// Errors: UserError for a text with a row per keypoint that has more than 333 keypoints or ten
 /// million values.
-CsvReader::Source KeypointsInColumns(const std::string& name, CsvReader::Source source);
+TableInput KeypointsInColumns(const std::string& name, TableInput input);
 
 }  // namespace gauntlet::sim

@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <memory>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "controller/number.h"
-#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/recordings/keypoints/hand_rotations.h"
 #include "sim/tables/missing.h"
@@ -24,58 +23,76 @@ namespace {
 constexpr std::size_t kHeadBytes = std::size_t{256} << 10;
 constexpr std::size_t kFewestColumns = 60;  // rotations of fingers and thumb
 
-/// Keypoints that the beginning of a text has.
-KeypointLayout LayoutOfHead(const std::string& name, std::string_view head,
-                            Quaternions quaternions) {
+/// Names of the columns of a table, or of the beginning of a text; none if there are too few.
+std::vector<std::string> NamesIn(const std::string& name, TableInput beginning) {
   try {
-    const CsvReader reader(name, TextSource(head), ProblemHandling::kRepair);
+    const CsvReader reader(name, std::move(beginning), ProblemHandling::kRepair);
     if (reader.column_count() < kFewestColumns) return {};
     std::vector<std::string> names = reader.header();
     names.resize(reader.column_count());
-    return FindKeypoints(names, quaternions);
-  } catch (const UserError&) {  // no table: its reader tells
+    return names;
+  } catch (const UserError&) {  // no table: its reader reports it
     return {};
   }
 }
 
-/// A table with keypoints, row by row.
-struct KeypointText {
-  std::vector<std::string> names;
-  std::vector<std::size_t> others;  // columns that are no keypoints
-  std::vector<std::vector<std::string>> other_cells;
-  std::vector<std::vector<HandPoints>> points;        // per hand and row
-  std::vector<std::vector<HandRotations>> rotations;  // the same; a hand has either
-  std::string remarks;                                // lines of the text about itself
-};
-
-double NumberOfCell(const std::string& cell, char separator) {
-  std::string text = cell;
-  if (separator != ',') std::ranges::replace(text, ',', '.');
-  return NumberOrMissing(text).value_or(kMissing);
+/// The table of a whole text. A column has texts if one of its cells is no number.
+Table TableOfText(const std::string& name, std::string_view text) {
+  CsvReader reader(name, TextSource(text), ProblemHandling::kRepair);
+  Table table;
+  for (std::size_t c = 0; c < reader.column_count(); ++c) {
+    table.columns.push_back({.name = c < reader.header().size() ? reader.header()[c] : ""});
+  }
+  std::vector<bool> has_texts(table.columns.size(), false);
+  std::vector<std::string> cells;
+  for (; reader.NextRow(cells); ++table.rows) {
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      std::string number = cells[c];
+      if (reader.separator() != ',') std::ranges::replace(number, ',', '.');
+      const std::optional<double> value = NumberOrMissing(number);
+      if (!value && !cells[c].empty()) has_texts[c] = true;
+      table.columns[c].numbers.push_back(value.value_or(kMissing));
+      table.columns[c].texts.push_back(std::move(cells[c]));
+    }
+  }
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    if (has_texts[c]) {
+      table.columns[c].numbers.clear();
+    } else {
+      table.columns[c].texts.clear();
+    }
+  }
+  return table;
 }
 
-KeypointText ReadText(CsvReader& reader, const std::vector<KeypointColumns>& hands) {
+/// A table with keypoints, row by row.
+struct KeypointRows {
+  const Table& table;
+  std::vector<std::size_t> others = {};                    // columns that are no keypoints
+  std::vector<std::vector<HandPoints>> points = {};        // per hand and row
+  std::vector<std::vector<HandRotations>> rotations = {};  // the same; a hand has either
+};
+
+KeypointRows RowsOf(const Table& table, const std::vector<KeypointColumns>& hands) {
   constexpr double kLeastConfidence = 0.5;
-  KeypointText text;
-  text.names = reader.header();
-  text.names.resize(reader.column_count());
-  text.points.resize(hands.size());
-  text.rotations.resize(hands.size());
+  KeypointRows rows{.table = table};
+  rows.points.resize(hands.size());
+  rows.rotations.resize(hands.size());
   std::set<std::size_t> of_hands;
   for (const KeypointColumns& hand : hands) of_hands.insert(hand.all.begin(), hand.all.end());
-  for (std::size_t c = 0; c < text.names.size(); ++c) {
-    if (!of_hands.contains(c)) text.others.push_back(c);
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    if (!of_hands.contains(c)) rows.others.push_back(c);
   }
-  std::vector<std::string> cells;
-  while (reader.NextRow(cells)) {
+  for (std::size_t row = 0; row < table.rows; ++row) {
     const auto value = [&](std::size_t column) {
-      return NumberOfCell(cells[column], reader.separator());
+      const TableColumn& is = table.columns[column];
+      return is.texts.empty() ? is.numbers[row] : NumberOrMissing(is.texts[row]).value_or(kMissing);
     };
     for (std::size_t h = 0; h < hands.size(); ++h) {
       const bool is_doubtful =
           hands[h].confidence && value(*hands[h].confidence) < kLeastConfidence;
       if (hands[h].rotations) {
-        HandRotations& rotations = text.rotations[h].emplace_back();
+        HandRotations& rotations = rows.rotations[h].emplace_back();
         rotations.setConstant(kMissing);
         for (int bone = 0; bone < kTurnedBones && !is_doubtful; ++bone) {
           const auto& columns = hands[h].rotations->bone[static_cast<std::size_t>(bone)];
@@ -85,33 +102,30 @@ KeypointText ReadText(CsvReader& reader, const std::vector<KeypointColumns>& han
         }
         continue;
       }
-      HandPoints& points = text.points[h].emplace_back();
+      HandPoints& points = rows.points[h].emplace_back();
       for (int k = 0; k < kKeypoints; ++k) {
         const auto& position = hands[h].position[static_cast<std::size_t>(k)];
         points.col(k) << value(position[0]), value(position[1]), value(position[2]);
       }
       if (is_doubtful) points.setConstant(kMissing);
     }
-    std::vector<std::string>& others = text.other_cells.emplace_back();
-    for (const std::size_t c : text.others) others.push_back(cells[c]);
   }
-  for (const std::string& remark : reader.remarks()) text.remarks += RemarkLine(remark);
-  return text;
+  return rows;
 }
 
 /// True if a column that is no keypoint rises in every row, by its name a time.
-bool HasTimes(const KeypointText& text) {
-  return std::ranges::any_of(text.others, [&](std::size_t c) {
-    return TimeScaleS(text.names[c]).has_value() ||
-           (MayBeTime(text.names[c]) && !IsSampleNumber(text.names[c]));
+bool HasTimes(const KeypointRows& rows) {
+  return std::ranges::any_of(rows.others, [&](std::size_t c) {
+    const std::string& name = rows.table.columns[c].name;
+    return TimeScaleS(name).has_value() || (MayBeTime(name) && !IsSampleNumber(name));
   });
 }
 
 /// True if the numbers are those of hands, where the names do not tell it.
-bool AreHands(const KeypointText& text, const std::vector<KeypointColumns>& hands) {
+bool AreHands(const KeypointRows& rows, const std::vector<KeypointColumns>& hands) {
   for (std::size_t h = 0; h < hands.size(); ++h) {
-    const bool is_hand = hands[h].rotations ? AreUnitQuaternions(text.rotations[h])
-                                            : hands[h].is_named || LooksLikeHand(text.points[h]);
+    const bool is_hand = hands[h].rotations ? AreUnitQuaternions(rows.rotations[h])
+                                            : hands[h].is_named || LooksLikeHand(rows.points[h]);
     if (!is_hand) return false;
   }
   return true;
@@ -127,9 +141,9 @@ std::string SideOf(const std::vector<HandPoints>& points, double unit_m) {
 }
 
 /// Names the hands of a pair. Errors: UserError without a place if both are of one side.
-void NameSides(const KeypointText& text, std::vector<KeypointColumns>& hands) {
+void NameSides(const KeypointRows& rows, std::vector<KeypointColumns>& hands) {
   for (std::size_t h = 0; h < hands.size(); ++h) {
-    hands[h].hand = SideOf(text.points[h], hands[h].unit_m);
+    hands[h].hand = SideOf(rows.points[h], hands[h].unit_m);
   }
   std::string& first = hands.front().hand;
   std::string& second = hands.back().hand;
@@ -142,56 +156,72 @@ void NameSides(const KeypointText& text, std::vector<KeypointColumns>& hands) {
 }
 
 /// Facts about a hand: its angles, lost frames, and remarks.
-AnglesOfBones AnglesOfHand(const KeypointText& text, std::size_t h, const KeypointColumns& columns,
-                           std::string& remarks) {
+AnglesOfBones AnglesOfHand(const KeypointRows& rows, std::size_t h, const KeypointColumns& columns,
+                           std::vector<std::string>& remarks) {
   if (columns.rotations) {
-    AnglesOfBones bones = AnglesOf(text.rotations[h], columns);
-    for (const std::string& remark : bones.remarks) remarks += RemarkLine(remark);
+    AnglesOfBones bones = AnglesOf(rows.rotations[h], columns);
+    remarks.insert(remarks.end(), bones.remarks.begin(), bones.remarks.end());
     return bones;
   }
-  const PlacedHand placed = PlaceHand(text.points[h], columns.unit_m);
+  const PlacedHand placed = PlaceHand(rows.points[h], columns.unit_m);
   KeypointAngles angles = AnglesOf(placed);
-  remarks += RemarkLine(RemarkOf(placed, columns));
-  remarks += RemarkLine(fmt::format(
+  remarks.push_back(RemarkOf(placed, columns));
+  remarks.push_back(fmt::format(
       "{}angles from keypoints: the points are {:.2g} mm RMS off a hand with these angles",
-      text.points.size() > 1 ? columns.hand + " hand: " : "", 1e3 * angles.residual_m));
+      rows.points.size() > 1 ? columns.hand + " hand: " : "", 1e3 * angles.residual_m));
   return {.angles = std::move(angles), .is_lost = placed.is_lost, .remarks = {}};
 }
 
-std::string TextOfAngles(const KeypointText& text, const std::vector<KeypointColumns>& hands) {
-  std::vector<std::string> names;
-  for (const std::size_t c : text.others) names.push_back(text.names[c]);
+/// A column with these of its rows.
+TableColumn Part(const TableColumn& column, const std::vector<std::size_t>& rows) {
+  TableColumn part{.name = column.name};
+  for (const std::size_t row : rows) {
+    if (column.texts.empty()) {
+      part.numbers.push_back(column.numbers[row]);
+    } else {
+      part.texts.push_back(column.texts[row]);
+    }
+  }
+  return part;
+}
+
+Table TableOfAngles(const KeypointRows& rows, const std::vector<KeypointColumns>& hands) {
+  Table table;
+  table.remarks = rows.table.remarks;
   std::vector<AnglesOfBones> of_hands;
-  std::string remarks = text.remarks;
+  std::vector<std::string> sides;
   for (std::size_t h = 0; h < hands.size(); ++h) {
     try {
-      of_hands.push_back(AnglesOfHand(text, h, hands[h], remarks));
+      of_hands.push_back(AnglesOfHand(rows, h, hands[h], table.remarks));
+      sides.push_back(hands.size() > 1 ? hands[h].hand + "_" : "");
     } catch (const UserError& error) {
       // Of two hands, often one does nothing.
       if (h + 1 == hands.size() && of_hands.empty()) throw;
-      remarks += RemarkLine(fmt::format("left out: {} hand: {}", hands[h].hand, error.what()));
-      continue;
-    }
-    const std::string side = hands.size() > 1 ? hands[h].hand + "_" : "";
-    for (const std::string_view channel : of_hands.back().angles.channels) {
-      names.push_back(fmt::format("{}{}_deg", side, channel));
+      table.remarks.push_back(fmt::format("left out: {} hand: {}", hands[h].hand, error.what()));
     }
   }
-  const bool has_times = HasTimes(text);
-  std::string table = CsvLine(names);
-  int rows = 0;
-  for (std::size_t k = 0; k < text.other_cells.size(); ++k) {
+  const bool has_times = HasTimes(rows);
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < rows.table.rows; ++k) {
     const bool is_empty =
         std::ranges::all_of(of_hands, [k](const AnglesOfBones& hand) { return hand.is_lost[k]; });
-    if (is_empty && has_times) continue;
-    std::vector<std::string> cells = text.other_cells[k];
-    for (const AnglesOfBones& of : of_hands) {
-      for (const double angle : of.angles.angle_deg.row(static_cast<Eigen::Index>(k))) {
-        cells.push_back(std::isfinite(angle) ? fmt::format("{:.6g}", angle + 0.0) : "");  // no -0
+    if (!is_empty || !has_times) kept.push_back(k);
+  }
+  table.rows = kept.size();
+  for (const std::size_t c : rows.others) {
+    table.columns.push_back(Part(rows.table.columns[c], kept));
+  }
+  for (std::size_t h = 0; h < of_hands.size(); ++h) {
+    const KeypointAngles& angles = of_hands[h].angles;
+    for (std::size_t c = 0; c < angles.channels.size(); ++c) {
+      TableColumn& column = table.columns.emplace_back();
+      column.name = fmt::format("{}{}_deg", sides[h], angles.channels[c]);
+      for (const std::size_t k : kept) {
+        const double angle =
+            angles.angle_deg(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(c));
+        column.numbers.push_back(std::isfinite(angle) ? angle + 0.0 : kMissing);  // no -0
       }
     }
-    table += CsvLine(cells);
-    if (++rows == kRowsBeforeRemarks) table += remarks;
   }
   return table;
 }
@@ -214,27 +244,37 @@ std::string RemarkOf(const PlacedHand& hand, const KeypointColumns& columns) {
       100.0 * hand.bone_spread, percent(hand.lost), percent(hand.implausible));
 }
 
-CsvReader::Source AnglesOfKeypoints(const std::string& name, CsvReader::Source source) {
-  std::string head = BytesOf(source, kHeadBytes);
-  std::string bytes;  // the whole text, once it is known to have hands
+TableInput AnglesOfKeypoints(const std::string& name, TableInput input) {
+  auto* const source = std::get_if<CsvReader::Source>(&input);
+  std::string head;
+  if (source != nullptr) head = BytesOf(*source, kHeadBytes);
+  const std::vector<std::string> names =
+      NamesIn(name, source != nullptr ? TableInput(TextSource(head)) : input);
+  std::string text;                    // the whole one, once it is known to have hands
+  std::shared_ptr<const Table> table;  // of the input
+  if (source == nullptr) table = std::get<std::shared_ptr<const Table>>(input);
   for (const Quaternions quaternions : {Quaternions::kTaken, Quaternions::kLeft}) {
-    KeypointLayout layout = LayoutOfHead(name, head, quaternions);
+    if (names.empty()) break;
+    KeypointLayout layout = FindKeypoints(names, quaternions);
     if (layout.has_several) throw UserError({.place = name, .problem = layout.problem});
     if (layout.hands.empty()) break;
-    if (bytes.empty()) bytes = head + BytesOf(source);
-    CsvReader reader(name, TextSource(bytes), ProblemHandling::kRepair);
-    const KeypointText text = ReadText(reader, layout.hands);
-    if (!AreHands(text, layout.hands)) continue;  // at most once more: points in four values
+    if (!table) {
+      text = head + BytesOf(*source);
+      table = std::make_shared<const Table>(TableOfText(name, text));
+    }
+    const KeypointRows rows = RowsOf(*table, layout.hands);
+    if (!AreHands(rows, layout.hands)) continue;  // at most once more: points in four values
     try {
-      if (layout.hands.front().is_of_pair) NameSides(text, layout.hands);
-      return WithHead(TextOfAngles(text, layout.hands), nullptr);
+      if (layout.hands.front().is_of_pair) NameSides(rows, layout.hands);
+      return std::make_shared<const Table>(TableOfAngles(rows, layout.hands));
     } catch (const UserError& error) {
       throw UserError({.place = name, .problem = error.what()});
     }
   }
   // No hand, or so many numbers of another kind.
-  if (!bytes.empty()) return WithHead(std::move(bytes), nullptr);
-  return WithHead(std::move(head), std::move(source));
+  if (source == nullptr) return input;
+  if (!text.empty()) return WithHead(std::move(text), nullptr);
+  return WithHead(std::move(head), std::move(*source));
 }
 
 }  // namespace gauntlet::sim

@@ -52,7 +52,7 @@ std::string TextOf(const ResultColumn& column, const ResultCell& cell) {
 
 /// A table whose cells contain the heading of their column. On a phone the cells of a row are below
 /// each other, and the table has no head.
-std::string Table(const ResultTable& table) {
+std::string TableHtml(const ResultTable& table) {
   std::string head, rows;
   for (const ResultColumn& column : table.columns) {
     head += fmt::format("<th class=\"{}\">{}</th>", ClassOf(column, ' '), HeadingOf(column));
@@ -107,7 +107,7 @@ std::string ScoresHtml(const FinishedStudy& finished) {
     if (const auto* table = std::get_if<ResultTable>(&part)) {
       ResultTable shown = *table;
       shown.columns.front().is_words = true;
-      html += Table(shown);
+      html += TableHtml(shown);
     } else if (const auto* text = std::get_if<std::string>(&part)) {
       html += fmt::format("<p class=\"note\">{}</p>", EscapeHtml(*text));
     }
@@ -268,9 +268,9 @@ std::string PaperPage(const PaperExperiment& experiment, const std::vector<Paper
   values["kind"] = "Gauntlet";
   values["sources"] = "";
   values["style"] = PaletteCss() + std::string(assets::kStyle) + std::string(kPaperStyle);
-  values["claim_table"] = Table(ClaimTable(experiment));
+  values["claim_table"] = TableHtml(ClaimTable(experiment));
   values["scores"] = ScoresHtml(experiment.finished);
-  values["filters"] = Table(FilterTable(experiment.filters));
+  values["filters"] = TableHtml(FilterTable(experiment.filters));
   values["figures"] = FigureHtml(figures);
   return FillTemplate(kPaperHtml, values);
 }

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/tables/table.h"
+
+namespace gauntlet::sim {
+
+/// Numbers and texts as bytes, from a helper process to the program.
+class PipeWriter {
+ public:
+  explicit PipeWriter(std::function<void(std::span<const char>)> send) : send_(std::move(send)) {}
+  void Count(std::uint64_t count);
+  void Number(double number) { Numbers({&number, 1}); }
+  void Numbers(std::span<const double> numbers);
+  void Text(std::string_view text);
+  void Texts(const std::vector<std::string>& texts);
+
+ private:
+  std::function<void(std::span<const char>)> send_;
+};
+
+/// Reads what a PipeWriter wrote. Errors: UserError without a place for sizes that no writer sends.
+class PipeReader {
+ public:
+  /// `fill` fills all bytes.
+  explicit PipeReader(std::function<void(std::span<char>)> fill) : fill_(std::move(fill)) {}
+  std::uint64_t Count(std::uint64_t most);
+  double Number();
+  void Numbers(std::span<double> numbers);
+  std::string Text();
+  std::vector<std::string> Texts();
+
+ private:
+  std::function<void(std::span<char>)> fill_;
+};
+
+/// Writes a table of numbers row by row, in blocks.
+class TableWriter {
+ public:
+  /// `rows`: number of rows, if it is known, for the memory of the reader; else 0.
+  TableWriter(PipeWriter& pipe, const std::vector<std::string>& names,
+              const std::vector<std::string>& remarks, std::size_t rows);
+  /// Whole rows, one behind the other. Shapes: a multiple of the names.
+  void Rows(std::span<const double> values);
+  void Finish(bool is_cut = false);
+
+ private:
+  void Flush();
+
+  PipeWriter& pipe_;
+  std::size_t columns_ = 0;
+  std::vector<double> block_;
+};
+
+/// The table that a TableWriter wrote.
+Table ReadTable(PipeReader& pipe);
+
+}  // namespace gauntlet::sim

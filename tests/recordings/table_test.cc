@@ -1,0 +1,142 @@
+// Tables whose columns have types, and their way through a pipe.
+#include "sim/tables/table.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/tables/csv_reader.h"
+#include "sim/tables/table_layout.h"
+#include "sim/tables/table_pipe.h"
+#include "tests/support/table_text.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsNan;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::shared_ptr<const Table> Mixed() {
+  Table table{.columns = {}, .rows = 3, .remarks = {"made here"}};
+  table.columns.push_back({.name = "time", .texts = {"00:00:01", "00:00:02.5", "late"}});
+  table.columns.push_back({.name = "a", .numbers = {0.1, std::nan(""), kInfinity}});
+  table.columns.push_back({.name = "hand", .texts = {"left", "right", "left"}});
+  return std::make_shared<const Table>(std::move(table));
+}
+
+TEST(CsvReader, OfATableGivesNumbersAndReportsWhatIsNone) {
+  std::vector<std::pair<RecordingProblem, std::size_t>> problems;
+  CsvReader reader(
+      "in", Mixed(), ProblemHandling::kRepair,
+      [&](RecordingProblem problem, std::size_t row) { problems.emplace_back(problem, row); });
+  EXPECT_THAT(reader.header(), ElementsAre("time", "a", "hand"));
+  EXPECT_THAT(reader.remarks(), ElementsAre("made here"));
+  reader.ReadAsTime(0);
+  reader.ReadAsTexts(2);
+  std::vector<double> row(3);
+  ASSERT_TRUE(reader.NextRow(row));
+  EXPECT_THAT(row, ElementsAre(1.0, 0.1, 0.0));
+  EXPECT_EQ(reader.row(), 2U);
+  ASSERT_TRUE(reader.NextRow(row));
+  EXPECT_THAT(row, ElementsAre(2.5, IsNan(), 1.0));
+  ASSERT_TRUE(reader.NextRow(row));
+  EXPECT_THAT(row, ElementsAre(IsNan(), IsNan(), 0.0));
+  EXPECT_FALSE(reader.NextRow(row));
+  EXPECT_EQ(problems, (std::vector<std::pair<RecordingProblem, std::size_t>>{
+                          {RecordingProblem::kMissingValue, 3},
+                          {RecordingProblem::kNoTime, 4},
+                          {RecordingProblem::kNotFinite, 4}}));
+}
+
+TEST(CsvReader, OfATableIgnoresColumnsAndRefusesSkippedLines) {
+  CsvReader reader("in", Mixed(), ProblemHandling::kStrict);
+  reader.Ignore(0);
+  reader.Ignore(2);
+  std::vector<double> row(3);
+  ASSERT_TRUE(reader.NextRow(row));
+  EXPECT_THAT(row, ElementsAre(IsNan(), 0.1, IsNan()));
+  EXPECT_THROW(reader.NextRow(row), UserError);  // the missing value
+  EXPECT_THROW(CsvReader("in", Mixed(), ProblemHandling::kRepair, {}, 1), UserError);
+}
+
+TEST(FindTable, OfATableHasItsFirstRowsAsTextAndGivesThemAgain) {
+  FoundTable found = FindTable("in", Mixed(), ProblemHandling::kRepair);
+  ASSERT_EQ(found.layout.rows.size(), 3U);
+  EXPECT_THAT(found.layout.rows[1], ElementsAre("00:00:02.5", "nan", "right"));
+  EXPECT_EQ(KindOf(found.layout, 0), CellKind::kTime);
+  EXPECT_EQ(KindOf(found.layout, 1), CellKind::kNumber);
+  EXPECT_EQ(KindOf(found.layout, 2), CellKind::kText);
+  std::vector<std::string> cells;
+  ASSERT_TRUE(found.reader.NextRow(cells));
+  EXPECT_THAT(cells, ElementsAre("00:00:01", "0.1", "left"));
+}
+
+TEST(CsvReader, OfATableThatIsCutReportsItsLastRow) {
+  Table table{.columns = {}, .rows = 2, .is_cut = true, .remarks = {}};
+  table.columns.push_back({.name = "t", .numbers = {0.0, 1.0}});
+  table.columns.push_back({.name = "a", .numbers = {5.0, 6.0}});
+  std::vector<RecordingProblem> problems;
+  CsvReader reader("in", std::make_shared<const Table>(table), ProblemHandling::kRepair,
+                   [&](RecordingProblem problem, std::size_t) { problems.push_back(problem); });
+  std::vector<double> row(2);
+  ASSERT_TRUE(reader.NextRow(row) && problems.empty());
+  ASSERT_TRUE(reader.NextRow(row));
+  EXPECT_THAT(row, ElementsAre(1.0, IsNan()));
+  EXPECT_THAT(problems, ElementsAre(RecordingProblem::kTruncatedRow));
+}
+
+/// Columns of many blocks, and of one value more.
+TEST(TableWriter, GivesEveryNumberToTheBit) {
+  constexpr std::size_t kRows = 50001;
+  std::string bytes;
+  PipeWriter out([&bytes](std::span<const char> part) { bytes.append(part.begin(), part.end()); });
+  TableWriter writer(out, {"a", "b", "c"}, {"remark"}, 0);
+  std::vector<double> rows(3 * kRows);
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = 1.0 / static_cast<double>(i + 1);
+  const std::span<const double> all(rows);
+  writer.Rows(all.first(3 * 7));  // in two parts
+  writer.Rows(all.subspan(3 * 7));
+  writer.Finish(true);
+  std::size_t read = 0;
+  PipeReader in([&](std::span<char> part) {
+    ASSERT_LE(read + part.size(), bytes.size());
+    std::ranges::copy(bytes.substr(read, part.size()), part.begin());
+    read += part.size();
+  });
+  const Table table = ReadTable(in);
+  EXPECT_EQ(read, bytes.size());
+  EXPECT_TRUE(table.is_cut);
+  EXPECT_THAT(table.remarks, ElementsAre("remark"));
+  EXPECT_THAT(table.names(), ElementsAre("a", "b", "c"));
+  ASSERT_EQ(table.rows, kRows);
+  for (std::size_t row = 0; row < kRows; ++row) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      ASSERT_EQ(table.columns[c].numbers.at(row), rows[3 * row + c]);
+    }
+  }
+}
+
+TEST(PipeReader, RefusesSizesThatNoWriterSends) {
+  PipeReader in([](std::span<char> part) { std::ranges::fill(part, '\x7f'); });
+  for (int kind = 0; kind < 3; ++kind) {
+    try {
+      kind == 0 ? (void)in.Text() : kind == 1 ? (void)in.Texts() : (void)ReadTable(in);
+      FAIL() << kind;
+    } catch (const UserError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("cannot be read"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
