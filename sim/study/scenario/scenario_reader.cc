@@ -17,6 +17,7 @@
 #include "sim/settings/yaml_tree.h"
 #include "sim/study/scenario/controller_defaults.h"
 #include "sim/study/scenario/included_controllers.h"
+#include "sim/study/scenario/removed_settings.h"
 #include "sim/trial/external/own_objects.h"
 
 namespace gauntlet::sim {
@@ -194,6 +195,7 @@ Repetitions AllRepetitions(const ScenarioText& text, const Overrides& overrides,
 ScenarioText ParseScenarioText(const std::filesystem::path& file, std::string_view text) {
   ScenarioText parsed{.root = ParseYaml(file, text, YamlIncludes::kAllowed),
                       .source = {.file = file}};
+  LeaveOutRemovedSettings(parsed.source, parsed.root);
   IncludeControllers(parsed.root, parsed.source);
   return parsed;
 }

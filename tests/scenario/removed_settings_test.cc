@@ -1,0 +1,67 @@
+// Files of earlier versions list settings that are no more.
+#include "sim/study/scenario/removed_settings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_reader.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// What a finished run of 0.3.0 lists beside the settings that still exist.
+constexpr auto kOld = R"(glove:
+  motion:
+    kind: sequence
+    parts:
+      - {kind: grasp, grasp: power, finger_lag_ms: 15}
+      - {kind: hold, duration_s: 1}
+  tremor: {rms_deg: 0, shared_percent: 50}
+  sensor: {low_percent: 10, high_percent: 90, gain_deviation_percent: 2}
+  noise: {kind: white, recording: "", recording_map: "", recording_rate_hz: 0, recording_scale: 1}
+hand:
+  cable: {interference: true, backlash_deg: 0.1}
+  wear: {slack_mm_per_hour: [0], slack_mm_per_km: [0], snap: {cable: "", at_s: 0}}
+link:
+  glove: {duplicates_percent: 2, clock_offset_ms: 30}
+controllers:
+  raw: {filter: none}
+)";
+
+std::string ErrorOf(std::string text, const std::string& old, const std::string& replacement) {
+  text.replace(text.find(old), old.size(), replacement);
+  try {
+    ParseScenarioText("old.yaml", text);
+    return "";
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
+TEST(RemovedSettings, WithoutEffectAreLeftOutAndNothingElse) {
+  const Scenario scenario = ParseScenario({.file = "old.yaml", .text = kOld});
+  EXPECT_EQ(scenario.glove.sensor.gain_deviation_percent, 2.0);
+  EXPECT_EQ(scenario.hand.cable.backlash_deg, 0.1);
+  EXPECT_TRUE(scenario.link && scenario.link->glove);
+  YamlNode root = ParseYaml("new.yaml", "controllers:\n  raw: {filter: none}\n");
+  const YamlNode before = root;
+  LeaveOutRemovedSettings({.file = "new.yaml"}, root);
+  EXPECT_TRUE(root.Is(before));
+}
+
+TEST(RemovedSettings, WithAnEffectAreRefusedWithWhatToUse) {
+  EXPECT_THAT(ErrorOf(kOld, "slack_mm_per_hour: [0]", "slack_mm_per_hour: [2]"),
+              HasSubstr("old.yaml:12:29: hand.wear.slack_mm_per_hour: is [2], but this setting was "
+                        "removed: compare values of hand.cable.slack_mm"));
+  EXPECT_THAT(ErrorOf(kOld, "finger_lag_ms: 15", "finger_lag_ms: 40"),
+              HasSubstr("finger_lag_ms: is 40, but this setting was removed"));
+  EXPECT_THAT(ErrorOf(kOld, "cable: \"\"", "cable: index_mcp_flexor"),
+              HasSubstr("hand.wear.snap.cable: is index_mcp_flexor"));
+  EXPECT_EQ(ErrorOf(kOld, "clock_offset_ms: 30", "clock_offset_ms: 7"), "");
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
