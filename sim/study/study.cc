@@ -252,6 +252,7 @@ GloveFacts FactsOf(const GloveSignal& glove) {
           .motion_hash = motion.Text(),
           .ticks = glove.true_angle_rad.rows(),
           .is_recorded = glove.is_recorded,
+          .is_of_recording = glove.recording != nullptr,
           .masked = glove.masked};
 }
 

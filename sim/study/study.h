@@ -19,7 +19,8 @@ struct GloveFacts {
   std::string signal_hash;  // of all that it holds, a recording's content included
   std::string motion_hash;  // of the wearer's true angles alone
   Eigen::Index ticks = 0;
-  bool is_recorded = false;  // see GloveSignal
+  bool is_recorded = false;      // see GloveSignal
+  bool is_of_recording = false;  // the motion is that of a recording; its noise may be simulated
   std::vector<MaskedStretch> masked = {};
 };
 

@@ -29,7 +29,7 @@ std::size_t JobsOf(const StudyOptions& options) {
 /// True if only the tracking error of trials without a hand is wanted. Then it is summed up while
 /// they run, and their angles are not kept.
 bool IsInPassing(const StudyOptions& options) {
-  return !options.physics && !options.keep_first_traces &&
+  return !options.physics && !options.keep_first_traces && options.left_out.empty() &&
          options.scores == std::vector{MetricIndex("tracking_rmse_deg")};
 }
 
@@ -212,10 +212,24 @@ class StudyRun {
                                   twin ? twin->hand_angle_rad : Signal(),
                                   [this](double trials) { return Progress(trials); });
     }
-    outcome.scores = trace.health.ok
-                         ? ScoreTrial(study_, named.config, *glove.signal, glove.reference_rad,
-                                      trace, twin, options_.scores, without)
-                         : NoScores(study_.rows);
+    const auto score = [&](const CountedTicks& left_out) {
+      return ScoreTrial(study_, named.config, *glove.signal, glove.reference_rad, trace, twin,
+                        options_.scores, without, left_out);
+    };
+    const std::size_t repetition = seed_index % study_.repetitions.size();
+    CountedTicks left_out =
+        options_.left_out.empty() ? CountedTicks() : options_.left_out[repetition];
+    outcome.scores = trace.health.ok ? score(left_out) : NoScores(study_.rows);
+    if (trace.health.ok && !options_.blocks.empty()) {
+      std::vector<Scores*> alike = {&outcome.scores};
+      for (const TickRange& block : options_.blocks[repetition]) {
+        left_out.push_back(block);
+        outcome.without.push_back(score(left_out));
+        left_out.pop_back();
+      }
+      for (Scores& one : outcome.without) alike.push_back(&one);
+      UseCommonParts(alike);
+    }
     outcome.untrusted_samples = trace.untrusted_samples;
     if (keep) {
       result_.first_traces[controller_index] = std::move(trace);
@@ -262,6 +276,7 @@ class StudyRun {
       options_.store->Keep(result_.seeds[seed_index].seed, controller_index, outcome);
     }
     if (!options_.keep_rows) outcome.scores.channels = {};
+    for (Scores& one : outcome.without) one.channels = {};
   }
 
   /// Records these signals, or all if none is named.

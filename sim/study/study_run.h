@@ -16,6 +16,7 @@ struct TrialOutcome {
   Scores scores;  // none, all NaN, of a hand that was stopped
   HandHealth health;
   std::vector<std::int64_t> untrusted_samples;  // per channel
+  std::vector<Scores> without = {};  // one block of StudyOptions::blocks each, not in a store
 };
 
 /// The finished trials of a study; `controller` is the place in the study. Any thread may call it.
@@ -62,6 +63,10 @@ struct StudyOptions {
   /// In Metrics(): only these scores, and no twin where none of them needs one; empty: all. Causes
   /// that are named here are found of all seeds.
   std::vector<std::size_t> scores = {};
+  /// Per repetition the ticks that no score counts; empty: all count.
+  std::vector<CountedTicks> left_out = {};
+  /// Per repetition blocks of the other ticks: a trial is scored again without each of them.
+  std::vector<std::vector<TickRange>> blocks = {};
 };
 
 struct StudyResult {

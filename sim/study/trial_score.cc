@@ -93,8 +93,9 @@ struct MeasuredMotors {
 };
 
 /// Takes ticks away from all parts.
-void LeaveOut(const Study& study, const TickRange& ticks, const Trace& trace,
+void LeaveOut(const Study& study, std::span<const TickRange> left_out, const Trace& trace,
               std::optional<CountedParts>& counted) {
+  if (left_out.empty()) return;
   if (!counted) {
     const CountedTicks all = {{0, static_cast<int>(trace.hand_angle_rad.rows())}};
     counted = CountedParts{.joints = {study.measured_joints.size(), all},
@@ -102,10 +103,13 @@ void LeaveOut(const Study& study, const TickRange& ticks, const Trace& trace,
                            .cables = {study.measured_cables.size(), all},
                            .hand = all};
   }
-  for (std::vector<CountedTicks>* parts : {&counted->joints, &counted->motors, &counted->cables}) {
-    for (CountedTicks& part : *parts) part = Without(part, ticks);
+  for (const TickRange& ticks : left_out) {
+    for (std::vector<CountedTicks>* parts :
+         {&counted->joints, &counted->motors, &counted->cables}) {
+      for (CountedTicks& part : *parts) part = Without(part, ticks);
+    }
+    counted->hand = Without(counted->hand, ticks);
   }
-  counted->hand = Without(counted->hand, ticks);
 }
 
 /// The signals that a metric of such a part needs.
@@ -205,7 +209,7 @@ std::vector<std::string_view> SignalsOfScores(std::span<const std::size_t> metri
 Scores ScoreTrial(const Study& study, const controller::ControllerConfig& controller,
                   const GloveSignal& glove, const Signal& reference_rad, const Trace& trace,
                   const std::optional<NoiseFreeTwin>& twin, std::span<const std::size_t> metrics,
-                  const CauseAngles& without, const TickRange& left_out) {
+                  const CauseAngles& without, std::span<const TickRange> left_out) {
   const Columns reference(reference_rad, study.measured_joints);
   const Columns hand(trace.hand_angle_rad, study.measured_joints);
   const std::optional<CountedParts> counted =
@@ -214,7 +218,7 @@ Scores ScoreTrial(const Study& study, const controller::ControllerConfig& contro
   std::optional<Columns<Signal>> twin_hand;
   if (twin) twin_hand.emplace(twin->hand_angle_rad, study.measured_joints);
   std::optional<CountedParts> scored = counted;
-  if (left_out.begin < left_out.end) LeaveOut(study, left_out, trace, scored);
+  LeaveOut(study, left_out, trace, scored);
   ScoreInput input;
   if (scored) input.counted = &*scored;
   input.rate_hz = glove.tick_rate_hz;

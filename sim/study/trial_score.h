@@ -22,7 +22,7 @@ Scores ScoreTrial(const Study& study, const controller::ControllerConfig& contro
                   const GloveSignal& glove, const Signal& reference_rad, const Trace& trace,
                   const std::optional<NoiseFreeTwin>& twin,
                   std::span<const std::size_t> metrics = {}, const CauseAngles& without = {},
-                  const TickRange& left_out = {});
+                  std::span<const TickRange> left_out = {});
 
 /// Takes the angles of a trial block by block, where the tracking error alone is wanted.
 MeanSquareError ErrorInPassing(const Study& study, const GloveSignal& glove);

@@ -88,11 +88,33 @@ double CorrelationOf(const Study& study, const StudyResult& result,
   return kCorrelationBin_s * AutocorrelationTime(differences);
 }
 
-/// Blocks side by side that hold equal amounts of ticks that count, summed over joints.
-std::vector<TickRange> BlocksOf(const std::vector<CountedTicks>& counted, int ticks, int count) {
-  std::vector<std::int64_t> joints(static_cast<std::size_t>(ticks), 0);  // that count, per tick
+std::vector<std::size_t> ScoresOfBlocks() {
+  std::vector<std::size_t> metrics;
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    if (HasBlockValues(Metrics()[m])) metrics.push_back(m);
+  }
+  return metrics;
+}
+
+}  // namespace
+
+CountedTime CountedTimeOf(const Study& study, const StudyResult& result) {
+  const GloveSignal& glove = *result.first_glove;
+  CountedTime time{.joints = CountedOfJoints(study, glove),
+                   .ticks = static_cast<int>(glove.true_angle_rad.rows())};
+  for (const CountedTicks& of_joint : time.joints) {
+    time.duration_s +=
+        CountOf(of_joint) / (glove.tick_rate_hz * static_cast<double>(time.joints.size()));
+  }
+  time.correlation_s = CorrelationOf(study, result, time.joints, glove.tick_rate_hz);
+  return time;
+}
+
+std::vector<TickRange> DivideTicks(const CountedTime& time, int count) {
+  std::vector<std::int64_t> joints(static_cast<std::size_t>(time.ticks),
+                                   0);  // that count, per tick
   std::int64_t all = 0;
-  for (const CountedTicks& of_joint : counted) {
+  for (const CountedTicks& of_joint : time.joints) {
     for (const TickRange& range : of_joint) {
       for (int tick = range.begin; tick < range.end; ++tick) ++joints[tick];
     }
@@ -101,30 +123,20 @@ std::vector<TickRange> BlocksOf(const std::vector<CountedTicks>& counted, int ti
   std::vector<TickRange> blocks;
   std::int64_t before = 0;
   int begin = 0;
-  for (int tick = 0; tick < ticks; ++tick) {
+  for (int tick = 0; tick < time.ticks; ++tick) {
     before += joints[tick];
     const bool is_full = before * count >= all * (std::ssize(blocks) + 1);
     if (!is_full || std::ssize(blocks) + 1 == count) continue;
     blocks.push_back({begin, tick + 1});
     begin = tick + 1;
   }
-  blocks.push_back({begin, ticks});
+  blocks.push_back({begin, time.ticks});
   return blocks;
 }
 
-/// Scores that the jackknife serves: means over time, their roots, and delays. No extreme values.
-std::vector<std::size_t> ScoresOfBlocks() {
-  std::vector<std::size_t> metrics;
-  for (std::size_t m = 0; m < Metrics().size(); ++m) {
-    const Metric& metric = Metrics()[m];
-    if (metric.main && !metric.extreme && !metric.needs_twin && !metric.needs_causes) {
-      metrics.push_back(m);
-    }
-  }
-  return metrics;
+bool HasBlockValues(const Metric& metric) {
+  return metric.main && !metric.extreme && !metric.needs_twin && !metric.needs_causes;
 }
-
-}  // namespace
 
 std::string RecordingBlocks::Text() const {
   return empty() ? "" : fmt::format("{} blocks of {:.1f} s", plan.count, plan.length_s);
@@ -138,14 +150,11 @@ RecordingBlocks DivideRecording(const Study& study, const StudyResult& result, i
   if (!divided.is_wanted) return divided;
   const GloveSignal& glove = *result.first_glove;
   const double rate_hz = glove.tick_rate_hz;
-  const int ticks = static_cast<int>(glove.true_angle_rad.rows());
-  const std::vector<CountedTicks> counted = CountedOfJoints(study, glove);
-  for (const CountedTicks& of_joint : counted) {
-    divided.duration_s += CountOf(of_joint) / (rate_hz * static_cast<double>(counted.size()));
-  }
-  divided.plan = PlanBlocks(divided.duration_s, CorrelationOf(study, result, counted, rate_hz));
+  const CountedTime time = CountedTimeOf(study, result);
+  divided.duration_s = time.duration_s;
+  divided.plan = PlanBlocks(time.duration_s, time.correlation_s);
   if (divided.plan.count == 0) return divided;
-  const std::vector<TickRange> blocks = BlocksOf(counted, ticks, divided.plan.count);
+  const std::vector<TickRange> blocks = DivideTicks(time, divided.plan.count);
   for (const TickRange& block : blocks) {
     divided.blocks.push_back({block.begin / rate_hz, block.end / rate_hz});
   }
@@ -160,7 +169,7 @@ RecordingBlocks DivideRecording(const Study& study, const StudyResult& result, i
     const std::size_t c = controllers[i % controllers.size()];
     without[i] =
         ScoreTrial(study, study.scenario.controllers[c].config, glove, result.first_reference_rad,
-                   result.first_traces[c], {}, metrics, {}, blocks[i / controllers.size()]);
+                   result.first_traces[c], {}, metrics, {}, {&blocks[i / controllers.size()], 1});
   });
   std::vector<Scores*> all;
   for (Scores& scores : without) all.push_back(&scores);

@@ -9,6 +9,27 @@
 
 namespace gauntlet::sim {
 
+/// The first trial of each controller of a study, to be divided into blocks.
+struct CountedTime {
+  std::vector<CountedTicks> joints;  // the ticks that count, per measured joint
+  int ticks = 0;                     // of the trial
+  double duration_s = 0.0;           // of the ticks that count, mean over joints
+  /// Autocorrelation time of the differences of all pairs of controllers, see DivideRecording(); of
+  /// one controller that of its own errors.
+  double correlation_s = 0.0;
+};
+
+/// The result has the signals of its first trials. Errors are not scored where a trial failed.
+CountedTime CountedTimeOf(const Study& study, const StudyResult& result);
+
+/// Blocks side by side that hold equal amounts of ticks that count, summed over joints. Together
+/// they are the whole trial.
+std::vector<TickRange> DivideTicks(const CountedTime& time, int count);
+
+/// True for a score that the jackknife serves: means over time, their roots, and delays, of the
+/// main metrics. Extreme values have no values of blocks.
+bool HasBlockValues(const Metric& metric);
+
 /// A block of a trial [s], from its begin.
 struct RecordingBlock {
   double start_s = 0.0;

@@ -10,7 +10,6 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr int kFewestBlocks = 8;
 constexpr int kMostBlocks = 16;
 constexpr double kShortestBlock_s = 5.0;
 constexpr double kWantedTimes = 4.0;  // correlation times of a block
@@ -56,12 +55,12 @@ double BlockPlan::Widening() const {
   return count == 0 ? 1.0 : 1.0 / std::sqrt(1.0 - correlation_s / (2.0 * length_s));
 }
 
-BlockPlan PlanBlocks(double duration_s, double correlation_s) {
+BlockPlan PlanBlocks(double duration_s, double correlation_s, int fewest) {
   BlockPlan plan{.correlation_s = correlation_s};
-  plan.needed_s = kFewestBlocks * std::max(kShortestBlock_s, kFewestTimes * correlation_s);
+  plan.needed_s = fewest * std::max(kShortestBlock_s, kFewestTimes * correlation_s);
   if (duration_s < plan.needed_s) return plan;
   const double wanted_s = std::max(kShortestBlock_s, kWantedTimes * correlation_s);
-  plan.count = std::clamp(static_cast<int>(duration_s / wanted_s), kFewestBlocks, kMostBlocks);
+  plan.count = std::clamp(static_cast<int>(duration_s / wanted_s), fewest, kMostBlocks);
   plan.length_s = duration_s / plan.count;
   return plan;
 }

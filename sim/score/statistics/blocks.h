@@ -35,10 +35,13 @@ struct BlockPlan {
   double Widening() const;
 };
 
+/// The fewest blocks of a single recording.
+inline constexpr int kFewestBlocks = 8;
+
 /// The plan for a recording: at most 16 blocks, each at least 5 s and 4 correlation times long.
-/// If that leaves fewer than 8, there are 8 if each has 2 correlation times; else none.
+/// If that leaves fewer than `fewest`, there are so many if each has 2 correlation times; else none.
 /// Coverage: docs/evidence/measurements.md, blocks of a recording. Units: s.
-BlockPlan PlanBlocks(double duration_s, double correlation_s);
+BlockPlan PlanBlocks(double duration_s, double correlation_s, int fewest = kFewestBlocks);
 
 /// Values of blocks whose mean is the score of the whole recording and whose standard error that of
 /// the jackknife, which leaves out a block at a time:
