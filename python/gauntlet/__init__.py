@@ -207,7 +207,7 @@ def tune(scenario: Settings, *, controller: str = "", free: Union[Mapping[str, s
     free        settings and their ranges: {"filter.q": "1e-6:10:log"}, or texts as of --free
     minimise    score to optimise
     subject_to  bounds of scores: ["jitter_rms_deg<=0.2"]
-    seeds, held_out  seeds of the search, and further ones for the verdict
+    seeds, held_out  seeds of the search, and further ones for the verdict; recordings are divided instead
     """
     for name, value in (("seeds", seeds), ("held_out", held_out), ("evaluations", evaluations)):
         if value < 1:

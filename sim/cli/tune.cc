@@ -56,7 +56,7 @@ struct TuneCommand {
                "largest number of settings [100]"),
         Option("--seeds", &request.seeds, {.range = {1, 10000}}, "seeds of the search [8]"),
         Option("--held-out", &request.held_out, {.range = {1, 10000}},
-               "further seeds, for the verdict [8]"),
+               "further seeds, for the verdict [8]; recordings are divided instead"),
         JobsOption(jobs),
         AllowProgramsOption(allow_programs),
         Option("--filter-only", &request.filter_only, {},
@@ -143,7 +143,7 @@ void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder&
   FlushOutput();
   if (!kinds.front().has_answer()) {
     Say("wrote {}: tune.csv, report.html\n", folder.path().string());
-    throw RunError("no kind of filter has an answer: " + kinds.front().result.problem);
+    throw RunError("no kind of filter has an answer: " + VerdictOf(plan, kinds).Text());
   }
   Say("wrote {}: a YAML file of each kind ({}), tune.csv, report.html\n", folder.path().string(),
       IncludeText(folder.path() / (VerdictOf(plan, kinds).best_or(kinds.front().kind) + ".yaml")));

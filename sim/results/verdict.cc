@@ -34,7 +34,7 @@ void Verdict::AddWarning(std::string key, std::string text) {
   if (!text.empty()) warnings.push_back({.key = std::move(key), .text = std::move(text)});
 }
 
-void Verdict::AddUndecided(const std::vector<std::string>& undecided) {
+void Verdict::AddUndecided(const std::vector<std::string>& undecided, const std::string& cure) {
   if (undecided.empty()) return;
   constexpr std::size_t kMostNames = 3;
   std::string others = undecided.front();
@@ -44,9 +44,8 @@ void Verdict::AddUndecided(const std::vector<std::string>& undecided) {
   if (undecided.size() > kMostNames) {
     others += fmt::format("; {} others", undecided.size() - kMostNames);
   }
-  AddReason("undecided", fmt::format("No recommendation, as it is undecided against {}. More seeds "
-                                     "can decide it.",
-                                     others));
+  AddReason("undecided",
+            fmt::format("No recommendation, as it is undecided against {}. {}", others, cure));
   alternatives.insert(alternatives.begin(), std::exchange(recommended, {}));
   alternatives.insert(alternatives.end(), undecided.begin(), undecided.end());
 }

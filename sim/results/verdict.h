@@ -25,7 +25,9 @@ struct Verdict {
   void AddReason(std::string key, std::string text);
   void AddWarning(std::string key, std::string text);
   /// These are not told apart from the best, so they may be as good: nothing is recommended then.
-  void AddUndecided(const std::vector<std::string>& undecided);
+  /// `cure`: sentence on how to decide it.
+  void AddUndecided(const std::vector<std::string>& undecided,
+                    const std::string& cure = "More seeds can decide it.");
   void AddWithoutHand();
 
   /// Assumptions, then the reasons, a sentence or two each.

@@ -109,6 +109,7 @@ TEST_F(TuneAllTest, FindsTheBestOfEachKindWithTheSameBudget) {
   ASSERT_EQ(kinds.size(), controller::FilterKinds().size());
   std::set<std::string> names;
   double before = 0.0;
+  bool is_first = true;
   bool answers = true;
   for (const TunedKind& tuned : kinds) {
     names.insert(tuned.kind);
@@ -123,8 +124,10 @@ TEST_F(TuneAllTest, FindsTheBestOfEachKindWithTheSameBudget) {
     EXPECT_FALSE(tuned.result.front.empty()) << tuned.kind;
     if (!tuned.has_answer()) continue;
     const TunedSetting& verdict = tuned.result.verdict;
+    // The chosen kind comes first; held-out values order the others.
     EXPECT_GE(verdict.scores.front().mean, before);
-    before = verdict.scores.front().mean;
+    if (!is_first) before = verdict.scores.front().mean;
+    is_first = false;
     EXPECT_LT(verdict.met, Met::kNo) << tuned.kind;
     EXPECT_EQ(tuned.result.controller.config.filters.front().kind(), tuned.kind);
   }
@@ -171,7 +174,7 @@ TEST(TuneAll, RecommendsNoneThatIsNotToldApartFromOthers) {
   EXPECT_EQ(VerdictOf(plan, kinds).alternatives,
             (std::vector<std::string>{"kalman", "one_euro", "median"}));
   EXPECT_EQ(VerdictOf(plan, kinds).Text(),
-            "Best in the mean: kalman: delay 7.00 ms. Equivalent in delay: one_euro. No "
+            "Chosen on the fitted seeds: kalman: delay 7.00 ms. Equivalent in delay: one_euro. No "
             "recommendation, as it is undecided against median. More seeds can decide it.");
   for (TunedKind& tuned : kinds) tuned.result.problem = "no setting keeps the bounds";
   EXPECT_EQ(VerdictOf(plan, kinds).recommended, "");

@@ -240,7 +240,7 @@ void FindFront(const TunePlan& plan, TuneResult& result) {
   }
 }
 
-/// Contribution of the glove's noise to the jitter of a setting, on the seeds of the search: no
+/// Contribution of the glove's noise to the jitter of a setting, on the fitted part: no
 /// filter takes away the rest. Empty where jitter has no bound.
 std::string JitterOfNoise(const TunePlan& plan, const TuneResult& result,
                           const TunedSetting& setting, int jobs,
@@ -251,7 +251,7 @@ std::string JitterOfNoise(const TunePlan& plan, const TuneResult& result,
   if (!is_bound) return "";
   std::vector<std::size_t> metrics = result.metrics;
   metrics.push_back(MetricIndex("noise_jitter_rms_deg"));
-  const TuneBench bench(plan, metrics, result.first_seed, plan.seeds, jobs);
+  const TuneBench bench(plan, metrics, result.split, TunePart::kFitted, jobs);
   const double noise_deg = bench.Run(setting.values, progress).scores.back().mean;
   if (!std::isfinite(noise_deg)) return "";
   return fmt::format(
@@ -259,26 +259,25 @@ std::string JitterOfNoise(const TunePlan& plan, const TuneResult& result,
       noise_deg);
 }
 
-/// "; the nearest, filter.q 0.001, has jitter_rms_deg 0.24 (0.22 to 0.26)", with a reason where
+/// "; closest is q=0.001 with jitter_rms_deg 0.24 (0.22 to 0.26)", with a reason where
 /// there is one; empty where nothing was scored.
 std::string NearestText(const TunePlan& plan, const TuneResult& result, int jobs,
                         const TuneBench::Progress& progress) {
+  if (!result.nearest) return "";
+  const TunedSetting& nearest = result.tried[*result.nearest];
+  std::string settings = SettingsText(plan, nearest.values);
+  if (settings.empty()) settings = plan.controller;
+  return fmt::format("; closest is {} with {}{}", settings, BoundScoresText(plan, result, nearest),
+                     JitterOfNoise(plan, result, nearest, jobs, progress));
+}
+
+void FindNearest(const TunePlan& plan, TuneResult& result) {
   const auto violation = [&](const TunedSetting& setting) {
-    const Measured measured = MeasuredOf(AimOf(plan), result, setting);
-    return std::isnan(measured.objective) ? std::numeric_limits<double>::infinity()
-                                          : measured.violation;
+    return ViolationOf(plan, result, setting);
   };
   const auto nearest = std::ranges::min_element(result.tried, {}, violation);
-  if (plan.constraints.empty() || !std::isfinite(violation(*nearest))) return "";
-  std::vector<std::string> scores;
-  for (const Constraint& bound : plan.constraints) {
-    scores.push_back(
-        fmt::format("{} {}", Metrics()[bound.metric].key,
-                    IntervalText(nearest->scores[PlaceOfMetric(result, bound.metric)])));
-  }
-  return fmt::format("; closest is {} with {}{}", SettingsText(plan, nearest->values),
-                     fmt::join(scores, ", "),
-                     JitterOfNoise(plan, result, *nearest, jobs, progress));
+  if (plan.constraints.empty() || !std::isfinite(violation(*nearest))) return;
+  result.nearest = static_cast<std::size_t>(nearest - result.tried.begin());
 }
 
 /// Chooses, or says in result.problem why there is nothing to choose.
@@ -293,15 +292,16 @@ void ChooseByHeldOut(const TunePlan& plan, const TuneBench& bench,
   }
   std::vector<std::string> bounds;
   for (const Constraint& constraint : plan.constraints) bounds.push_back(constraint.Text());
+  if (order.empty()) FindNearest(plan, result);
   result.problem =
       order.empty() ? fmt::format("no setting of {} that was tried keeps {}", result.tried.size(),
                                   bounds.empty() ? "its hand going: " + result.tried.front().problem
                                                  : fmt::format("{}", fmt::join(bounds, ", "))) +
                           NearestText(plan, result, jobs, progress)
                     : fmt::format(
-                          "the {} best settings break {} on the held-out seeds by more than their "
-                          "intervals; more --seeds tell more",
-                          result.refused, fmt::join(bounds, ", "));
+                          "the {} best settings break {} on the held-out {} by more than "
+                          "their intervals",
+                          result.refused, fmt::join(bounds, ", "), result.split.Noun());
 }
 
 }  // namespace
@@ -341,14 +341,30 @@ SweepAxis ParseFree(const std::string& text, const std::string& controller) {
   return axis;
 }
 
-TuneResult SearchSettings(const TunePlan& plan, int jobs,
+double ViolationOf(const TunePlan& plan, const TuneResult& result, const TunedSetting& setting) {
+  const Measured measured = MeasuredOf(AimOf(plan), result, setting);
+  return std::isnan(measured.objective) ? std::numeric_limits<double>::infinity()
+                                        : measured.violation;
+}
+
+std::string BoundScoresText(const TunePlan& plan, const TuneResult& result,
+                            const TunedSetting& setting) {
+  std::vector<std::string> scores;
+  for (const Constraint& bound : plan.constraints) {
+    scores.push_back(
+        fmt::format("{} {}", Metrics()[bound.metric].key,
+                    IntervalText(setting.scores[PlaceOfMetric(result, bound.metric)])));
+  }
+  return fmt::format("{}", fmt::join(scores, ", "));
+}
+
+TuneResult SearchSettings(const TunePlan& plan, const TuneSplit& split, int jobs,
                           const std::function<bool(double done, double all)>& progress) {
   TuneResult result;
+  result.split = split;
   result.metrics = TuneMetrics(plan);
-  result.first_seed = ParseScenario(plan.scenario).seed;
-  const TuneBench search(plan, result.metrics, result.first_seed, plan.seeds, jobs);
-  const TuneBench verdict(plan, result.metrics, result.first_seed + plan.seeds, plan.held_out,
-                          jobs);
+  const TuneBench search(plan, result.metrics, result.split, TunePart::kFitted, jobs);
+  const TuneBench verdict(plan, result.metrics, result.split, TunePart::kHeldOut, jobs);
   search.ControllerWith({});  // what is wrong with it is the user's mistake
   const double all = plan.evaluations + 2.0;
   double done = 0.0;
@@ -371,7 +387,7 @@ TuneResult SearchSettings(const TunePlan& plan, int jobs,
   if (!result.problem.empty()) return result;
   result.before = verdict.Run({}, within);
   result.gain = ComparePaired(plan.minimise, result.verdict.minimised, result.before.minimised,
-                              result.verdict.motions, 1.0);
+                              result.verdict.motions, result.refused + 1.0);
   FindEqualRanges(plan, order, result);
   result.controller = search.ControllerWith(result.tried[result.chosen].values);
   return result;
@@ -379,7 +395,8 @@ TuneResult SearchSettings(const TunePlan& plan, int jobs,
 
 TuneResult Tune(const TunePlan& plan, int jobs,
                 const std::function<bool(double done, double all)>& progress) {
-  TuneResult result = SearchSettings(plan, jobs, progress);
+  const TuneSplit split = SplitOf(plan, jobs);
+  TuneResult result = SearchSettings(plan, split, jobs, progress);
   if (!result.problem.empty()) throw RunError(result.problem);
   return result;
 }

@@ -43,7 +43,7 @@ FilterInput InputOf(const Scenario& scenario, const controller::ControllerConfig
   return input;
 }
 
-TunedKind TuneKind(const TunePlan& plan, std::string_view kind, int jobs,
+TunedKind TuneKind(const TunePlan& plan, const TuneSplit& split, std::string_view kind, int jobs,
                    const std::function<bool(double, double)>& progress) {
   TunedKind tuned{.kind = std::string(kind),
                   .left_out = {},
@@ -66,39 +66,71 @@ TunedKind TuneKind(const TunePlan& plan, std::string_view kind, int jobs,
     axis.key = fmt::format("controllers.{}.filter.{}", plan.controller, axis.key);
   }
   tuned.plan.free = std::move(search.free);
-  tuned.result = SearchSettings(tuned.plan, jobs, progress);
+  tuned.result = SearchSettings(tuned.plan, split, jobs, progress);
   return tuned;
 }
 
 /// The jitter of the controller as the scenario has it. Errors: RunError if it does not run.
-double JitterBefore(const TunePlan& plan, int jobs, const TuneBench::Progress& progress) {
+double JitterBefore(const TunePlan& plan, const TuneSplit& split, int jobs,
+                    const TuneBench::Progress& progress) {
   const std::vector<std::size_t> metrics = {plan.minimise, MetricIndex("jitter_rms_deg")};
   TunePlan unbound = plan;
   unbound.constraints.clear();
-  const int first_seed = ParseScenario(plan.scenario).seed;
   const TunedSetting before =
-      TuneBench(unbound, metrics, first_seed, plan.seeds, jobs).Run({}, progress);
+      TuneBench(unbound, metrics, split, TunePart::kFitted, jobs).Run({}, progress);
   if (!before.problem.empty()) throw RunError(plan.controller + ": " + before.problem);
   return before.scores.back().mean;
 }
 
-void JudgeKinds(const TunePlan& plan, std::vector<TunedKind>& kinds) {
-  std::ranges::stable_sort(kinds, [&plan](const TunedKind& a, const TunedKind& b) {
-    const auto rank = [&plan](const TunedKind& tuned) {
-      if (!tuned.has_answer()) return std::numeric_limits<double>::infinity();
-      const double mean = tuned.result.verdict.scores.front().mean;
-      return Metrics()[plan.minimise].lower_is_better ? mean : -mean;
-    };
-    return rank(a) < rank(b);
-  });
-  const auto count = static_cast<double>(std::ranges::count_if(kinds, &TunedKind::has_answer));
-  if (count == 0.0) return;
-  const TunedSetting& best = kinds.front().result.verdict;
-  for (TunedKind& tuned : kinds) {
-    if (!tuned.has_answer()) continue;
-    tuned.to_best = ComparePaired(plan.minimise, tuned.result.verdict.minimised, best.minimised,
-                                  best.motions, 0.5 * count * (count - 1.0));
+/// The answer of a kind on the fitted part.
+const TunedSetting& FittedOf(const TunedKind& tuned) {
+  return tuned.result.tried[tuned.result.chosen];
+}
+
+/// The kind to choose by the fitted part, among the first `count`, which have an answer.
+std::size_t ChosenOf(const TunePlan& plan, const std::vector<TunedKind>& kinds, std::size_t count) {
+  const double sign = Metrics()[plan.minimise].lower_is_better ? 1.0 : -1.0;
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < count; ++i) {
+    const auto of = [&](std::size_t k) { return sign * FittedOf(kinds[k]).scores.front().mean; };
+    if (of(i) < of(best)) best = i;
   }
+  const auto pairs = 0.5 * static_cast<double>(count) * static_cast<double>(count - 1);
+  const auto jitter_of = [&](std::size_t k) {
+    const std::size_t place = PlaceOfMetric(kinds[k].result, MetricIndex("jitter_rms_deg"));
+    return FittedOf(kinds[k]).scores[place].mean;
+  };
+  std::size_t chosen = best;
+  for (std::size_t i = 0; i < count; ++i) {
+    const CellComparison to_best =
+        ComparePaired(plan.minimise, FittedOf(kinds[i]).minimised, FittedOf(kinds[best]).minimised,
+                      FittedOf(kinds[best]).motions, pairs);
+    const bool is_equal = i == best || to_best.judgement == Judgement::kEqual;
+    if (is_equal && jitter_of(i) < jitter_of(chosen)) chosen = i;
+  }
+  return chosen;
+}
+
+void JudgeKinds(const TunePlan& plan, std::vector<TunedKind>& kinds) {
+  std::ranges::stable_partition(kinds, &TunedKind::has_answer);
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(kinds, &TunedKind::has_answer));
+  if (count == 0) return;
+  const auto begin = kinds.begin();
+  const auto chosen = begin + static_cast<std::ptrdiff_t>(ChosenOf(plan, kinds, count));
+  std::rotate(begin, chosen, chosen + 1);
+  const double sign = Metrics()[plan.minimise].lower_is_better ? 1.0 : -1.0;
+  std::stable_sort(begin + 1, begin + static_cast<std::ptrdiff_t>(count),
+                   [sign](const TunedKind& a, const TunedKind& b) {
+                     return sign * a.result.verdict.scores.front().mean <
+                            sign * b.result.verdict.scores.front().mean;
+                   });
+  const TunedSetting& best = kinds.front().result.verdict;
+  for (std::size_t i = 0; i < count; ++i) {
+    const TunedSetting& held_out = kinds[i].result.verdict;
+    kinds[i].to_best = ComparePaired(plan.minimise, held_out.minimised, best.minimised,
+                                     best.motions, static_cast<double>(count - 1));
+  }
+  kinds.front().to_best.judgement = Judgement::kEqual;
 }
 
 }  // namespace
@@ -110,19 +142,33 @@ std::vector<TunedKind> TuneAll(const TunePlan& plan, int jobs,
   TunePlan of_all = plan;
   of_all.free.clear();
   of_all.front_jitter_deg.clear();
-  const double jitter = JitterBefore(of_all, jobs, [&](double, int) { return progress(0.0, all); });
+  const TuneSplit split = SplitOf(of_all, jobs);
+  const double jitter =
+      JitterBefore(of_all, split, jobs, [&](double, int) { return progress(0.0, all); });
   if (std::isfinite(jitter)) {
     for (const double level : kFrontLevels) of_all.front_jitter_deg.push_back(level * jitter);
   }
   std::vector<TunedKind> tuned;
   for (const controller::FilterKind& kind : kinds) {
     const auto before = static_cast<double>(tuned.size());
-    tuned.push_back(TuneKind(of_all, kind.name, jobs, [&](double done, double of) {
+    tuned.push_back(TuneKind(of_all, split, kind.name, jobs, [&](double done, double of) {
       return progress(before + done / of, all);
     }));
   }
   JudgeKinds(plan, tuned);
   return tuned;
+}
+
+const TunedKind* NearestKind(const std::vector<TunedKind>& kinds) {
+  const TunedKind* nearest = nullptr;
+  const auto violation = [](const TunedKind& tuned) {
+    return ViolationOf(tuned.plan, tuned.result, tuned.result.tried[*tuned.result.nearest]);
+  };
+  for (const TunedKind& tuned : kinds) {
+    if (!tuned.result.nearest) continue;
+    if (nearest == nullptr || violation(tuned) < violation(*nearest)) nearest = &tuned;
+  }
+  return nearest;
 }
 
 }  // namespace gauntlet::sim

@@ -14,19 +14,24 @@ struct TunedKind {
   std::string left_out;  // why it was not searched; then there is no result
   TunePlan plan;
   TuneResult result;
-  /// In the minimised score on the held-out seeds; against itself for the best.
+  /// Against the chosen kind, in the minimised score on the held-out part; "equal" of itself.
   CellComparison to_best;
 
   bool has_answer() const { return left_out.empty() && result.problem.empty(); }
 };
 
 /// Search for every kind of filter: SearchSettings() with the settings of SearchOf() and the same
-/// number of evaluations, on the same glove and hand, judged on the same held-out seeds.
+/// number of evaluations, on the same glove and hand and the same split.
 /// `plan.controller` keeps all its settings but the filter; `plan.free` and `plan.front_jitter_deg`
 /// are not looked at: fronts are searched at 0.7, 0.5, 0.35 and 0.25 times the jitter that the
-/// controller has as it is. Kinds with an answer come first, the best first; all their pairs are
-/// one family of judgement.h. Errors: as Tune(), but for kinds that have no answer.
+/// controller has as it is. The kind is chosen on the fitted part, as settings are: of those
+/// equivalent to the best the one with the least jitter. It comes first, then the other kinds with
+/// an answer by their held-out values. The held-out part compares them with the chosen one, in one
+/// family of judgement.h. Errors: as Tune(), but for kinds that have no answer.
 std::vector<TunedKind> TuneAll(const TunePlan& plan, int jobs,
                                const std::function<bool(double done, double all)>& progress);
+
+/// The kind with the setting that breaks the bounds least, if none keeps them; null for none.
+const TunedKind* NearestKind(const std::vector<TunedKind>& kinds);
 
 }  // namespace gauntlet::sim

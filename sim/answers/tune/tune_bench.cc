@@ -3,27 +3,38 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 
 #include "controller/assert.h"
+#include "sim/answers/compare/recording_blocks.h"
 #include "sim/answers/sweep/cell_blocks.h"
 #include "sim/base/error.h"
+#include "sim/score/statistics/blocks.h"
 #include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 
-TuneBench::TuneBench(const TunePlan& plan, std::vector<std::size_t> metrics, int first_seed,
-                     int seeds, int jobs)
+TuneBench::TuneBench(const TunePlan& plan, std::vector<std::size_t> metrics, const TuneSplit& split,
+                     TunePart part, int jobs)
     : plan_(plan),
       metrics_(std::move(metrics)),
-      seeds_(seeds),
+      split_(split),
+      seeds_(part == TunePart::kFitted ? split.fitted : split.held_out),
       jobs_(jobs),
       source_(plan.scenario) {
   for (const Constraint& constraint : plan.constraints) {
     GAUNTLET_ASSERT(std::ranges::find(metrics_, constraint.metric) != metrics_.end());
   }
+  const int first_seed = split.first_seed + (part == TunePart::kFitted ? 0 : split.fitted);
   source_.overrides.push_back(fmt::format("seed={}", first_seed));
   study_ = PrepareShared(ParseScenario(source_));
-  KeepGloves(seeds, study_);
+  KeepGloves(seeds_, study_);
+  for (const DividedRecording& recording : split.divided) {
+    const bool is_fitted = part == TunePart::kFitted;
+    blocks_.push_back(is_fitted ? recording.fitted : recording.held_out);
+    left_out_.push_back(is_fitted ? recording.held_out : recording.fitted);
+  }
 }
 
 NamedController TuneBench::ControllerWith(const std::vector<std::string>& values) const {
@@ -59,9 +70,45 @@ TunedSetting TuneBench::Run(const std::vector<std::string>& values,
                          .keep_rows = false,
                          .physics = plan_.physics,
                          .store = nullptr,
-                         .scores = metrics_}),
+                         .scores = metrics_,
+                         .left_out = left_out_,
+                         .blocks = blocks_}),
         setting);
   return setting;
+}
+
+void TuneBench::ScoreBlocks(const StudyResult& result, TunedSetting& setting) const {
+  for (std::size_t m = 0; m < metrics_.size(); ++m) {
+    // Of each recording the values of its blocks, as means over its seeds.
+    std::map<int, std::vector<std::vector<double>>> recordings;
+    std::vector<double> whole;
+    bool has_blocks = HasBlockValues(Metrics()[metrics_[m]]);
+    for (std::size_t i = 0; i < result.seeds.size(); ++i) {
+      const TrialOutcome& outcome = result.seeds[i].controllers.front();
+      const DividedRecording& recording = split_.divided[i % split_.divided.size()];
+      whole.push_back(outcome.scores.summary[metrics_[m]]);
+      std::vector<double> without;
+      for (const Scores& scores : outcome.without) without.push_back(scores.summary[metrics_[m]]);
+      const auto values = BlockValues(whole.back(), without, recording.widening);
+      has_blocks = has_blocks && !values.empty() &&
+                   std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+      recordings[recording.number].push_back(values);
+    }
+    std::vector<double> replicates;
+    for (const auto& [number, seeds] : recordings) {
+      for (std::size_t block = 0; has_blocks && block < seeds.front().size(); ++block) {
+        std::vector<double> of_block;
+        for (const std::vector<double>& values : seeds) of_block.push_back(values[block]);
+        replicates.push_back(EstimateMean(of_block).mean);
+      }
+    }
+    if (!has_blocks) replicates = {EstimateMean(whole).mean};
+    setting.scores[m] = EstimateMean(replicates).IntervalAt();
+    if (m == 0) {
+      setting.motions.assign(replicates.size(), 0);
+      setting.minimised = std::move(replicates);
+    }
+  }
 }
 
 void TuneBench::Score(const StudyResult& result, TunedSetting& setting) const {
@@ -76,10 +123,14 @@ void TuneBench::Score(const StudyResult& result, TunedSetting& setting) const {
       values[m].push_back(outcome.scores.summary[metrics_[m]]);
     }
   }
-  for (std::size_t m = 0; m < metrics_.size(); ++m) {
-    setting.scores[m] = EstimateMean(values[m], setting.motions).IntervalAt();
+  if (!split_.divided.empty()) {
+    ScoreBlocks(result, setting);
+  } else {
+    for (std::size_t m = 0; m < metrics_.size(); ++m) {
+      setting.scores[m] = EstimateMean(values[m], setting.motions).IntervalAt();
+    }
+    setting.minimised = values.front();
   }
-  setting.minimised = values.front();
   for (const Constraint& constraint : plan_.constraints) {
     const auto place = std::ranges::find(metrics_, constraint.metric) - metrics_.begin();
     setting.met = std::max(setting.met, IsMet(constraint, setting.scores[place]));

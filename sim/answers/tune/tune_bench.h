@@ -9,16 +9,16 @@
 
 namespace gauntlet::sim {
 
-/// Runs one controller of a scenario with other values, always on the same seeds.
+/// Runs one controller of a scenario with other values, always on the same replicates.
 class TuneBench {
  public:
   using Progress = std::function<bool(double done, int all)>;
 
-  /// From seed `first_seed` on. `metrics` are the scores of every TunedSetting, those of
-  /// the plan's constraints among them.
+  /// On one part of the split. `metrics` are the scores of every TunedSetting, those of the plan's
+  /// constraints among them.
   /// Errors: UserError, SettingError for a scenario that cannot be built.
-  TuneBench(const TunePlan& plan, std::vector<std::size_t> metrics, int first_seed, int seeds,
-            int jobs);
+  TuneBench(const TunePlan& plan, std::vector<std::size_t> metrics, const TuneSplit& split,
+            TunePart part, int jobs);
 
   /// The controller with these values of plan.free; as the scenario has it if there are none.
   /// Errors: UserError if it cannot be read.
@@ -29,10 +29,14 @@ class TuneBench {
 
  private:
   void Score(const StudyResult& result, TunedSetting& setting) const;
+  void ScoreBlocks(const StudyResult& result, TunedSetting& setting) const;
 
   const TunePlan& plan_;
   std::vector<std::size_t> metrics_;
+  const TuneSplit& split_;
   int seeds_;
+  std::vector<CountedTicks> left_out_;          // per repetition: the other part
+  std::vector<std::vector<TickRange>> blocks_;  // of this part
   int jobs_;
   ScenarioSource source_;
   Study study_;

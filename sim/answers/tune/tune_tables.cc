@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "sim/base/data_folder.h"
@@ -58,13 +59,15 @@ Json ResultJson(const TunePlan& plan, const TuneResult& result) {
   return json;
 }
 
-Json AskedJson(const TunePlan& plan) {
+Json AskedJson(const TunePlan& plan, const TuneSplit& split) {
   return {{"scenario", PathFrom(std::filesystem::current_path(), plan.scenario.file)},
           {"controller", plan.controller},
           {"minimise", Metrics()[plan.minimise].key},
           {"physics", plan.physics},
           {"seeds", plan.seeds},
-          {"held_out_seeds", plan.held_out}};
+          {"held_out_seeds", plan.held_out},
+          {"fitted_on", split.Text(TunePart::kFitted)},
+          {"validated_on", split.Text(TunePart::kHeldOut)}};
 }
 
 constexpr std::size_t kMostOfFront = 12;
@@ -99,8 +102,8 @@ ResultTable ValuesTable(const TunePlan& plan, const TuneResult& result) {
 }
 
 ResultTable HeldOutTable(const TunePlan& plan, const TuneResult& result) {
-  ResultTable table{
-      .columns = {ForPeople("held-out seeds"), ForPeople("before"), ForPeople("tuned")}};
+  ResultTable table{.columns = {ForPeople("held-out " + result.split.Noun()), ForPeople("before"),
+                                ForPeople("tuned")}};
   for (std::size_t m = 0; m < result.metrics.size(); ++m) {
     table.rows.push_back({ResultCell::Text(fmt::format("{} [{}]", ScoreName(result.metrics[m]),
                                                        Metrics()[result.metrics[m]].unit)),
@@ -114,9 +117,47 @@ ResultTable HeldOutTable(const TunePlan& plan, const TuneResult& result) {
   return table;
 }
 
-std::string Seeds(int first, int count) {
-  return count == 1 ? fmt::format("seed {}", first)
-                    : fmt::format("seeds {} to {}", first, first + count - 1);
+/// Why there is no confidence interval, if so; empty where there is one.
+std::string WhyNoInterval(const TunePlan& plan, const TuneResult& result) {
+  if (!result.before.problem.empty() || result.verdict.minimised.size() != 1) return "";
+  if (result.split.by == TuneSplit::By::kBlocks) {
+    return fmt::format("The {} has no values of blocks, so no confidence interval.",
+                       ScoreName(plan.minimise));
+  }
+  return fmt::format("One held-out {} has no confidence interval.",
+                     result.split.by == TuneSplit::By::kSeeds ? "seed" : "recording");
+}
+
+/// Warnings about the held-out part.
+void AddDoubts(const TunePlan& plan, const TuneResult& result, Verdict& verdict) {
+  if (result.split.is_fixed) {
+    verdict.AddWarning("not_validated",
+                       "Not validated: nothing is drawn at random and the motion is no recording, "
+                       "so the settings are judged on the run that they were fitted to.");
+  } else {
+    verdict.AddWarning("one_seed", WhyNoInterval(plan, result));
+  }
+  if (!plan.physics) verdict.AddWithoutHand();
+}
+
+/// "keeps jitter_rms_deg<=0.1; closest is ..": why no kind has an answer.
+std::string WhyNoKind(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
+  std::vector<std::string> bounds;
+  for (const Constraint& constraint : plan.constraints) bounds.push_back(constraint.Text());
+  const TunedKind* const nearest = NearestKind(kinds);
+  const auto refused =
+      std::ranges::find_if(kinds, [](const TunedKind& tuned) { return tuned.result.refused > 0; });
+  if (refused != kinds.end()) {
+    return fmt::format("No kind of filter keeps {} on the held-out {}; {} does on the fitted ones.",
+                       fmt::join(bounds, ", "), refused->result.split.Noun(), refused->kind);
+  }
+  if (nearest == nullptr) return "No kind of filter meets the bounds.";
+  const TunedSetting& setting = nearest->result.tried[*nearest->result.nearest];
+  const std::string settings = SettingsText(nearest->plan, setting.values);
+  return fmt::format("No kind of filter keeps {}; closest is {}{} with {}.",
+                     fmt::join(bounds, ", "), nearest->kind,
+                     settings.empty() ? "" : " (" + settings + ")",
+                     BoundScoresText(nearest->plan, nearest->result, setting));
 }
 
 /// A primary score that is worse than before by a relevant difference, though the tuned score is
@@ -160,13 +201,13 @@ Verdict VerdictOf(const TunePlan& plan, const TuneResult& result) {
     verdict.AddReason("answer", fmt::format("Use {} for {}: {}.", verdict.recommended,
                                             plan.controller, Listed(values)));
   }
-  if (const std::string_view judgement = JudgementText(result.gain.judgement); !judgement.empty()) {
+  if (std::isfinite(result.gain.difference.low) && !result.split.is_fixed) {
     verdict.AddReason(
-        "gain", fmt::format("The {} is {}: {} {} against before, paired, 95 % CI.",
-                            ScoreName(plan.minimise), JudgementWord(result.gain.judgement),
-                            IntervalText(result.gain.difference), Metrics()[plan.minimise].unit));
-  } else if (result.before.problem.empty()) {
-    verdict.AddWarning("one_seed", "One held-out seed has no confidence interval.");
+        "gain", fmt::format("The {} on the held-out {} is {}: {} {} against before, paired, {} CI.",
+                            ScoreName(plan.minimise), result.split.Noun(),
+                            JudgementWord(result.gain.judgement),
+                            IntervalText(result.gain.difference), Metrics()[plan.minimise].unit,
+                            result.refused > 0 ? "simultaneous 95 %" : "95 %"));
   }
   std::vector<std::string> ranges;
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
@@ -174,54 +215,52 @@ Verdict VerdictOf(const TunePlan& plan, const TuneResult& result) {
                                  result.equal[a].high));
   }
   verdict.AddReason("equivalent", fmt::format("Equivalent settings: {}.", Listed(ranges)));
-  if (!plan.physics) verdict.AddWithoutHand();
+  AddDoubts(plan, result, verdict);
   return verdict;
 }
 
 Verdict VerdictOf(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
   Verdict verdict;
   if (!kinds.front().has_answer()) {
-    verdict.AddReason("constraints", "No kind of filter meets the bounds.");
+    verdict.AddReason("constraints", WhyNoKind(plan, kinds));
     return verdict;
   }
-  // Of those equivalent to the best, the one with the least jitter.
-  const std::size_t jitter = MetricIndex("jitter_rms_deg");
-  const std::vector<std::size_t>& metrics = kinds.front().result.metrics;
-  const bool has_jitter = std::ranges::count(metrics, jitter) > 0;
-  const auto is_equal = [&](const TunedKind& tuned) {
-    return &tuned == &kinds.front() ||
-           (tuned.has_answer() && tuned.to_best.judgement == Judgement::kEqual);
-  };
-  const TunedKind* chosen = &kinds.front();
+  const TunedKind& chosen = kinds.front();
+  const TuneSplit& split = chosen.result.split;
+  verdict.recommended = chosen.kind;
+  std::vector<std::string> undecided, better;
   for (const TunedKind& tuned : kinds) {
-    const auto jitter_of = [&](const TunedKind& of) {
-      return of.result.verdict.scores[PlaceOfMetric(of.result, jitter)].mean;
-    };
-    if (is_equal(tuned) && has_jitter && jitter_of(tuned) < jitter_of(*chosen)) chosen = &tuned;
-  }
-  verdict.recommended = chosen->kind;
-  std::vector<std::string> undecided;
-  for (const TunedKind& tuned : kinds) {
-    if (&tuned != chosen && is_equal(tuned)) verdict.alternatives.push_back(tuned.kind);
-    if (tuned.has_answer() && tuned.to_best.judgement == Judgement::kUndecided) {
-      undecided.push_back(tuned.kind);
-    }
+    if (&tuned == &chosen || !tuned.has_answer()) continue;
+    const Judgement judgement = tuned.to_best.judgement;
+    if (judgement == Judgement::kEqual) verdict.alternatives.push_back(tuned.kind);
+    if (judgement == Judgement::kUndecided) undecided.push_back(tuned.kind);
+    if (judgement == Judgement::kBetter) better.push_back(tuned.kind);
   }
   std::vector<std::string> values;
-  for (std::size_t m = 0; m < metrics.size(); ++m) {
-    values.push_back(NamedScore(metrics[m], chosen->result.verdict.scores[m].mean));
+  for (std::size_t m = 0; m < chosen.result.metrics.size(); ++m) {
+    values.push_back(NamedScore(chosen.result.metrics[m], chosen.result.verdict.scores[m].mean));
   }
-  const std::string settings = SettingsText(chosen->plan, chosen->result.verdict.values);
+  const std::string settings = SettingsText(chosen.plan, chosen.result.verdict.values);
   verdict.AddReason(
       "best_by",
-      fmt::format("{} {}{}: {}.", undecided.empty() ? "Use" : "Best in the mean:", chosen->kind,
-                  settings.empty() ? "" : " with " + settings, Listed(values)));
+      fmt::format("{} {}{}: {}.",
+                  undecided.empty() && better.empty()
+                      ? "Use"
+                      : fmt::format("Chosen on the fitted {}:", split.Noun()),
+                  chosen.kind, settings.empty() ? "" : " with " + settings, Listed(values)));
   if (!verdict.alternatives.empty()) {
     verdict.AddReason("equivalent", fmt::format("Equivalent in {}: {}.", ScoreName(plan.minimise),
                                                 Listed(verdict.alternatives)));
   }
-  verdict.AddUndecided(undecided);
-  if (!plan.physics) verdict.AddWithoutHand();
+  if (!better.empty()) {
+    verdict.AddReason("better", fmt::format("No recommendation, as on the held-out {} it is worse "
+                                            "than {}.",
+                                            split.Noun(), Listed(better)));
+    verdict.alternatives.insert(verdict.alternatives.begin(), better.begin(), better.end());
+    verdict.recommended.clear();
+  }
+  if (better.empty()) verdict.AddUndecided(undecided, split.Cure());
+  AddDoubts(chosen.plan, chosen.result, verdict);
   return verdict;
 }
 
@@ -247,7 +286,7 @@ std::string TuneCsv(const TunePlan& plan, const TuneResult& result) {
 }
 
 std::string TuneJson(const TunePlan& plan, const TuneResult& result) {
-  Json json = AskedJson(plan);
+  Json json = AskedJson(plan, result.split);
   json.update(ResultJson(plan, result));
   json["verdict"] = JsonOf(VerdictOf(plan, result));
   return json.dump(1) + "\n";
@@ -269,7 +308,7 @@ std::string TuneAllCsv(const std::vector<TunedKind>& kinds) {
 }
 
 std::string TuneAllJson(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
-  Json json = AskedJson(plan);
+  Json json = AskedJson(plan, SplitOfKinds(kinds));
   json["verdict"] = JsonOf(VerdictOf(plan, kinds));
   json["filters"] = Json::array();
   for (const TunedKind& tuned : kinds) {
@@ -304,21 +343,27 @@ std::string QuestionText(const TunePlan& plan, const std::string& search) {
   return text;
 }
 
-std::string SeedsText(const TunePlan& plan, const TuneResult& result) {
-  const int first = result.first_seed;
-  return fmt::format("{}, validated on held-out {}", Seeds(first, plan.seeds),
-                     Seeds(first + plan.seeds, plan.held_out));
+std::string SplitText(const TuneSplit& split) {
+  const std::string fitted = split.Text(TunePart::kFitted);
+  if (split.is_fixed) return fitted + ", not validated";
+  return fmt::format("{}, validated on {}", fitted, split.Text(TunePart::kHeldOut));
+}
+
+const TuneSplit& SplitOfKinds(const std::vector<TunedKind>& kinds) {
+  return std::ranges::find(kinds, true,
+                           [](const TunedKind& tuned) { return tuned.left_out.empty(); })
+      ->result.split;
 }
 
 ResultText TuneText(const TunePlan& plan, const TuneResult& result, bool verbose) {
   ResultText text = {fmt::format("{}\n{} settings on {}", QuestionText(plan, ""),
-                                 result.tried.size(), SeedsText(plan, result))};
+                                 result.tried.size(), SplitText(result.split))};
   AddVerdict(VerdictOf(plan, result), text);
   text.emplace_back(HeldOutTable(plan, result));
   if (result.refused > 0) {
-    AddLine(
-        fmt::format("{} better settings violated a bound on the held-out seeds.", result.refused),
-        text);
+    AddLine(fmt::format("{} better settings violated a bound on the held-out {}.", result.refused,
+                        result.split.Noun()),
+            text);
   }
   if (!verbose) return text;
   text.emplace_back(ValuesTable(plan, result));
@@ -333,7 +378,7 @@ ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds
   ResultTable table{.columns = {ForPeople("filter")}};
   std::ranges::move(MetricColumns(kinds.front().result.metrics, ""),
                     std::back_inserter(table.columns));
-  table.columns.push_back(ForPeople("against\nthe best"));
+  table.columns.push_back(ForPeople("against\nthe chosen"));
   if (verbose) table.columns.push_back(ForPeople("settings").Words());
   std::string others;
   for (const TunedKind& tuned : kinds) {
@@ -347,14 +392,14 @@ ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds
       row.push_back(verbose ? CellOf(score) : ResultCell(score.mean));
     }
     row.push_back(ResultCell::Text(
-        &tuned == &kinds.front() ? "best" : JudgementWord(tuned.to_best.judgement)));
+        &tuned == &kinds.front() ? "chosen" : JudgementWord(tuned.to_best.judgement)));
     if (verbose) {
       row.push_back(ResultCell::Text(SettingsText(tuned.plan, tuned.result.verdict.values)));
     }
   }
   ResultText text = {fmt::format("{}\nat most {} settings of each kind on {}",
                                  QuestionText(plan, ", every kind of filter"), plan.evaluations,
-                                 SeedsText(plan, kinds.front().result))};
+                                 SplitText(SplitOfKinds(kinds)))};
   AddVerdict(VerdictOf(plan, kinds), text);
   text.emplace_back(std::move(table));
   if (verbose) text.emplace_back(others);

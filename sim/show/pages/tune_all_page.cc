@@ -106,8 +106,8 @@ std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kind
        .question = fmt::format("Which kind of filter gives {} the {} {}{}?", plan.controller,
                                metric.lower_is_better ? "least" : "most", metric.key,
                                BoundsText(plan.constraints)),
-       .facts = fmt::format("at most {} settings of each kind on {} seeds · judged on {} others{}",
-                            plan.evaluations, plan.seeds, plan.held_out,
+       .facts = fmt::format("at most {} settings of each kind on {}{}", plan.evaluations,
+                            SplitText(SplitOfKinds(kinds)),
                             plan.physics ? "" : " · filters only, no hand"),
        .verdict = VerdictOf(plan, kinds).Text(),
        .text = TuneAllText(plan, kinds, true),
@@ -115,8 +115,8 @@ std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kind
            "fronts", "Jitter against delay, kind by kind",
            "A line joins the settings of one kind that no other of its kind beats in both means, "
            "on "
-           "the seeds of the search; a ring is its answer, the best within the bounds (dotted). "
-           "Nearer to the lower left corner is better. The legend has the best first.",
+           "the fitted part; a ring is its answer, the best within the bounds (dotted). Nearer to "
+           "the lower left corner is better. The legend has the chosen kind first.",
            ScrolledDrawing(drawing, "Fronts of all kinds")),
        .heat = false,
        .front = false});

@@ -37,18 +37,17 @@ std::string TunePage(const TunePlan& plan, const TuneResult& result) {
   }
   gathered.Finish();
   const Metric& metric = Metrics()[plan.minimise];
-  return CellsPage(
-      gathered,
-      {.kind = "Gauntlet tune",
-       .title = fmt::format("{} of {}", plan.controller, plan.scenario.file.stem().string()),
-       .question =
-           fmt::format("Which values give the {} {}{}?", metric.lower_is_better ? "least" : "most",
-                       metric.key, BoundsText(plan.constraints)),
-       .facts =
-           fmt::format("{} settings tried on {} seeds · judged on {} others{}", result.tried.size(),
-                       plan.seeds, plan.held_out, plan.physics ? "" : " · filters only, no hand"),
-       .verdict = VerdictOf(plan, result).Text(),
-       .text = TuneText(plan, result, true)});
+  return CellsPage(gathered, {.kind = "Gauntlet tune",
+                              .title = fmt::format("{} of {}", plan.controller,
+                                                   plan.scenario.file.stem().string()),
+                              .question = fmt::format("Which values give the {} {}{}?",
+                                                      metric.lower_is_better ? "least" : "most",
+                                                      metric.key, BoundsText(plan.constraints)),
+                              .facts = fmt::format("{} settings tried on {}{}", result.tried.size(),
+                                                   SplitText(result.split),
+                                                   plan.physics ? "" : " · filters only, no hand"),
+                              .verdict = VerdictOf(plan, result).Text(),
+                              .text = TuneText(plan, result, true)});
 }
 
 }  // namespace gauntlet::sim
