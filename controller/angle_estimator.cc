@@ -192,7 +192,7 @@ void AngleEstimator::Reset(std::span<const double> counts) noexcept {
   }
 }
 
-void AngleEstimator::TakeMemory(AngleEstimator& before, std::span<const double> counts) noexcept {
+void AngleEstimator::SwapMemory(AngleEstimator& before, std::span<const double> counts) noexcept {
   GAUNTLET_ASSERT(before.active_.size() == active_.size());
   GAUNTLET_ASSERT(counts.size() == active_.size());
   const bool same_step = step_rate_hz_ == before.step_rate_hz_;
@@ -201,15 +201,15 @@ void AngleEstimator::TakeMemory(AngleEstimator& before, std::span<const double> 
       filter_on_ == FilterOn::kCounts ? counts : before.filtered_rad_;
   for (std::size_t i = 0; i < chain_.size(); ++i) {
     const bool goes_on = same_step && same_unit && i < before.chain_.size() &&
-                         chain_[i]->TakeMemory(*before.chain_[i]);
+                         chain_[i]->SwapMemory(*before.chain_[i]);
     if (!goes_on) chain_[i]->StartAt(here);
   }
   if (predictor_) {
     const bool goes_on =
-        same_step && before.predictor_ && predictor_->TakeMemory(*before.predictor_);
+        same_step && before.predictor_ && predictor_->SwapMemory(*before.predictor_);
     if (!goes_on) predictor_->StartAt(before.filtered_rad_);
   }
-  path_.TakeMemory(before.path_, same_step, before.filtered_rad_);
+  path_.SwapMemory(before.path_, same_step, before.filtered_rad_);
   for (std::size_t i = 0; i < active_.size(); ++i) {
     path_.Hold(static_cast<int>(i), before.predicted_rad_[i]);
   }

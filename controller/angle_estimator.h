@@ -56,7 +56,7 @@ class AngleEstimator {
   void Reset(std::span<const double> counts) noexcept;
   /// Goes on where `before` stands, which has as many channels; `counts` are what its filtered
   /// angles are here. The memory of what can be read from outside comes along.
-  void TakeMemory(AngleEstimator& before, std::span<const double> counts) noexcept;
+  void SwapMemory(AngleEstimator& before, std::span<const double> counts) noexcept;
 
   int channel_count() const noexcept { return linearisation_->channel_count(); }
   const Linearisation& linearisation() const noexcept { return *linearisation_; }

@@ -38,7 +38,7 @@ Command Controller::Step(const GloveSample& sample) noexcept {
 Command Controller::Step() noexcept { return state_ ? state_->Step(nullptr) : Command{}; }
 
 void Controller::TakeJointAngles(std::span<const double> measured_rad) noexcept {
-  if (state_) state_->joint_loop.Take(measured_rad);
+  if (state_) state_->joint_loop.SetMeasuredAngles(measured_rad);
 }
 
 void Controller::Reset() noexcept {
@@ -59,7 +59,7 @@ Controller Controller::Prepare(const ControllerConfig& config) const {
 bool Controller::Swap(Controller& next) noexcept {
   const bool prepared = state_ && next.state_ && next.robot_ == robot_ && &next != this;
   if (!prepared) return false;
-  next.state_->TakeOver(*state_);
+  next.state_->SwapMemory(*state_);
   std::swap(state_, next.state_);
   return true;
 }

@@ -97,7 +97,7 @@ Controller::State::State(const RobotConfig& connected_to, const ControllerConfig
 
 Command Controller::State::Step(const GloveSample* sample) noexcept {
   const bool overdue = watch.Tick(sample != nullptr);
-  if (sample != nullptr) TakeSample(*sample);
+  if (sample != nullptr) AcceptSample(*sample);
   if (overdue) guard.Miss();
   judged = overdue || sample != nullptr;
   const bool event = StepEvent();
@@ -130,9 +130,9 @@ void Controller::State::MoveLostChannels() noexcept {
   }
 }
 
-void Controller::State::TakeSample(const GloveSample& sample) noexcept {
-  guard.Take(sample, [this](int channel) { estimator.StartChannel(channel); });
-  watch.Take(guard);
+void Controller::State::AcceptSample(const GloveSample& sample) noexcept {
+  guard.Step(sample, [this](int channel) { estimator.StartChannel(channel); });
+  watch.ReadResults(guard);
   if (watch.on()) {  // what was lost and is back starts anew
     for (std::size_t i = 0; i < lost.size(); ++i) {
       if (lost[i] == 0 || !guard.trusted(i)) continue;
@@ -202,21 +202,21 @@ void Controller::State::Reset() noexcept {
   joint_loop.Reset(target_rad);
 }
 
-void Controller::State::TakeOver(State& before) noexcept {
+void Controller::State::SwapMemory(State& before) noexcept {
   GAUNTLET_ASSERT(before.start_counts.size() == start_counts.size());
   GAUNTLET_ASSERT(before.target_rad.size() == target_rad.size());
   GAUNTLET_ASSERT(before.motor_counts.size() == motor_counts.size());
   estimator.linearisation().ToCounts(before.estimator.filtered_rad(), start_counts);
-  guard.TakeMemory(before.guard, start_counts);
-  watch.TakeMemory(before.watch);
+  guard.SwapMemory(before.guard, start_counts);
+  watch.SwapMemory(before.watch);
   std::swap(judged, before.judged);
   lost.swap(before.lost);
   lost_rad.swap(before.lost_rad);
   if (!watch.on()) std::fill(lost.begin(), lost.end(), std::uint8_t{0});
-  estimator.TakeMemory(before.estimator, start_counts);
-  model_predictive.TakeMemory(before.model_predictive, before.target_rad);
-  joint_loop.TakeMemory(before.joint_loop, before.target_rad);
-  rounding.TakeMemory(before.rounding);
+  estimator.SwapMemory(before.estimator, start_counts);
+  model_predictive.SwapMemory(before.model_predictive, before.target_rad);
+  joint_loop.SwapMemory(before.joint_loop, before.target_rad);
+  rounding.SwapMemory(before.rounding);
   std::swap(event_clock, before.event_clock);
   linearised_rad.swap(before.linearised_rad);
   target_rad.swap(before.target_rad);

@@ -36,7 +36,7 @@ struct __attribute__((visibility("hidden"))) Controller::State {
 
   /// A tick, with a sample or without one (null).
   Command Step(const GloveSample* sample) noexcept;
-  void TakeSample(const GloveSample& sample) noexcept;
+  void AcceptSample(const GloveSample& sample) noexcept;
   GloveStatus Status() const noexcept;
   void MoveLostChannels() noexcept;
   bool StepEvent() noexcept;
@@ -46,7 +46,7 @@ struct __attribute__((visibility("hidden"))) Controller::State {
   void Reset(std::span<const std::int32_t> at_counts) noexcept;
   /// Goes on where `before`, a controller of the same glove and hand, stands. The memory of what
   /// can be read from outside comes along.
-  void TakeOver(State& before) noexcept;
+  void SwapMemory(State& before) noexcept;
 
   std::shared_ptr<const Robot> robot;  // never changes
 

@@ -28,7 +28,7 @@ bool GloveWatch::Tick(bool has_sample) noexcept {
   return false;
 }
 
-void GloveWatch::Take(const SampleGuard& guard) noexcept {
+void GloveWatch::ReadResults(const SampleGuard& guard) noexcept {
   if (guard.all_trusted()) {
     all_trusted_tick_ = tick_;
     return;
@@ -48,7 +48,7 @@ void GloveWatch::Reset() noexcept {
   std::fill(trusted_tick_.begin(), trusted_tick_.end(), 0);
 }
 
-void GloveWatch::TakeMemory(GloveWatch& from) noexcept {
+void GloveWatch::SwapMemory(GloveWatch& from) noexcept {
   std::swap(tick_, from.tick_);
   std::swap(overdue_tick_, from.overdue_tick_);
   std::swap(window_tick_, from.window_tick_);

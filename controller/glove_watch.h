@@ -24,11 +24,11 @@ class GloveWatch {
   /// A tick begins, with a sample or without one. True: a sample is overdue.
   bool Tick(bool has_sample) noexcept;
   /// Takes the guard's results for the sample of this tick.
-  void Take(const SampleGuard& guard) noexcept;
+  void ReadResults(const SampleGuard& guard) noexcept;
   /// As new.
   void Reset() noexcept;
   /// Goes on where another watch of the same glove stands. Settings stay.
-  void TakeMemory(GloveWatch& from) noexcept;
+  void SwapMemory(GloveWatch& from) noexcept;
 
   /// True if channels can be lost.
   bool on() const noexcept { return lost_ticks_ < std::numeric_limits<double>::infinity(); }

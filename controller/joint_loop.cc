@@ -99,7 +99,7 @@ void JointLoop::Reset(std::span<const double> target_rad) noexcept {
   for (std::size_t i = 0; i < memory_.size(); ++i) memory_[i] = {.turn_rad = target_rad[i]};
 }
 
-void JointLoop::Take(std::span<const double> measured_rad) noexcept {
+void JointLoop::SetMeasuredAngles(std::span<const double> measured_rad) noexcept {
   if (!on() || measured_rad.size() != memory_.size()) return;
   for (std::size_t i = 0; i < memory_.size(); ++i) memory_[i].measured_rad = measured_rad[i];
   events_since_reading_ = 0.0;
@@ -150,7 +150,7 @@ void JointLoop::Step(std::span<const double> target_rad, std::span<double> corre
   }
 }
 
-void JointLoop::TakeMemory(JointLoop& from, std::span<const double> target_rad) noexcept {
+void JointLoop::SwapMemory(JointLoop& from, std::span<const double> target_rad) noexcept {
   Reset(target_rad);
   if (!on() || !from.on()) return;
   memory_.swap(from.memory_);

@@ -46,14 +46,14 @@ class JointLoop {
   bool on() const noexcept { return config_.kind != JointLoopKind::kNone; }
 
   /// Takes the angles of the joint sensors; NaN for a joint that cannot be read.
-  void Take(std::span<const double> measured_rad) noexcept;
+  void SetMeasuredAngles(std::span<const double> measured_rad) noexcept;
   /// One event.
   void Step(std::span<const double> target_rad, std::span<double> corrected_rad) noexcept;
   /// As new, the target long since here.
   void Reset(std::span<const double> target_rad) noexcept;
   /// Goes on where another loop of the same hand stands, whose last target was this one. Settings
   /// stay. A loop that was off has nothing to go on with.
-  void TakeMemory(JointLoop& from, std::span<const double> target_rad) noexcept;
+  void SwapMemory(JointLoop& from, std::span<const double> target_rad) noexcept;
 
  private:
   struct Joint {

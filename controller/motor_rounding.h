@@ -30,7 +30,7 @@ class MotorRounding {
   void Reset() noexcept;
   void Reset(std::span<const std::int32_t> motor_counts) noexcept;
   /// Takes the motors of another one for the same hand, which goes on with these. Settings stay.
-  void TakeMemory(MotorRounding& from) noexcept { motors_.swap(from.motors_); }
+  void SwapMemory(MotorRounding& from) noexcept { motors_.swap(from.motors_); }
 
  private:
   struct Motor {

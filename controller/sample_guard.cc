@@ -38,8 +38,8 @@ struct Limits {
 
 /// Fast path: `good` is 1 for channels whose value is inside the converter's range, near the last
 /// good value and not stuck, else 0. Takes the values if all are good; else only `good` changes.
-GAUNTLET_VECTORISED bool TakeIfAllGood(const double* counts, const Channels& channels,
-                                       const Limits& limits, int channel_count) {
+GAUNTLET_VECTORISED bool AcceptIfAllGood(const double* counts, const Channels& channels,
+                                         const Limits& limits, int channel_count) {
   const auto [trusted, raw, same, confirmed, seen, good] = channels;
   const auto [least, most, jump, stuck] = limits;
   GAUNTLET_CHANNEL_LOOP
@@ -152,7 +152,7 @@ bool SampleGuard::IsStale(const GloveSample& sample) noexcept {
   return false;
 }
 
-bool SampleGuard::TakeTrusted(const GloveSample& sample, bool stale) noexcept {
+bool SampleGuard::AcceptTrusted(const GloveSample& sample, bool stale) noexcept {
   if (stale || sample.counts.size() < untrusted_samples_.size()) {
     std::fill_n(values_[kGood], values_.channel_count(), 0.0);
     return false;
@@ -167,7 +167,7 @@ bool SampleGuard::TakeTrusted(const GloveSample& sample, bool stale) noexcept {
                          .most = limits_[kMost],
                          .jump = limits_[kJump],
                          .stuck = stuck_samples_};
-  return TakeIfAllGood(sample.counts.data(), channels, limits, values_.channel_count());
+  return AcceptIfAllGood(sample.counts.data(), channels, limits, values_.channel_count());
 }
 
 void SampleGuard::Refuse(int channel, Untrusted kind) noexcept {
@@ -198,7 +198,7 @@ void SampleGuard::Miss() noexcept {
   }
 }
 
-void SampleGuard::TakeDoubtful(int channel, const GloveSample& sample, bool stale) noexcept {
+void SampleGuard::CheckDoubtful(int channel, const GloveSample& sample, bool stale) noexcept {
   const auto index = static_cast<std::size_t>(channel);
   held_[index] = 0;
   const double counts = index < sample.counts.size() ? sample.counts[index] : kNaN;
@@ -243,7 +243,7 @@ void SampleGuard::Reset(std::span<const double> start_counts) noexcept {
   for (auto& counts : untrusted_by_kind_) std::fill(counts.begin(), counts.end(), 0);
 }
 
-void SampleGuard::TakeMemory(SampleGuard& from, std::span<const double> start_counts) noexcept {
+void SampleGuard::SwapMemory(SampleGuard& from, std::span<const double> start_counts) noexcept {
   GAUNTLET_ASSERT(from.untrusted_samples_.size() == untrusted_samples_.size());
   GAUNTLET_ASSERT(start_counts.size() == untrusted_samples_.size());
   std::swap(values_, from.values_);

@@ -33,13 +33,13 @@ class SampleGuard {
   /// Takes a sample; trusted_counts() is up to date afterwards.
   /// Calls first_good(channel) for a channel whose first good value this is.
   template <class FirstGood>
-  void Take(const GloveSample& sample, FirstGood first_good) noexcept {
+  void Step(const GloveSample& sample, FirstGood first_good) noexcept {
     const bool stale = IsStale(sample);
-    all_trusted_ = TakeTrusted(sample, stale);
+    all_trusted_ = AcceptTrusted(sample, stale);
     if (all_trusted_) return;
     for (int channel = 0; channel < values_.channel_count(); ++channel) {
       const bool first = values_[kSeen][channel] == 0.0;
-      TakeDoubtful(channel, sample, stale);
+      CheckDoubtful(channel, sample, stale);
       if (first && values_[kSeen][channel] == 1.0) first_good(channel);
     }
   }
@@ -57,7 +57,7 @@ class SampleGuard {
   void Reset(std::span<const double> start_counts) noexcept;
   /// Swaps values and counts with another guard of the same number of channels. The settings stay.
   /// Channels without a good value yet hold `start_counts`.
-  void TakeMemory(SampleGuard& from, std::span<const double> start_counts) noexcept;
+  void SwapMemory(SampleGuard& from, std::span<const double> start_counts) noexcept;
 
   std::span<const double> trusted_counts() const noexcept {
     return {values_[kTrusted], untrusted_samples_.size()};
@@ -70,7 +70,7 @@ class SampleGuard {
  private:
   /// State per channel: the trusted value; the last value in range, and the number of its
   /// repetitions; the level of a jump, and the number of its samples; 1 after the first good value;
-  /// scratch of TakeTrusted().
+  /// scratch of AcceptTrusted().
   enum Value { kTrusted, kRaw, kSame, kCandidate, kConfirmed, kSeen, kGood, kValues };
 
   /// Settings per channel: ends of the converter's range; the largest change between two samples,
@@ -81,8 +81,8 @@ class SampleGuard {
   bool IsAhead(std::int64_t number, std::int64_t of) const noexcept;
   bool IsStale(const GloveSample& sample) noexcept;
   /// Takes all values if all pass the fast path. False: nothing has changed.
-  bool TakeTrusted(const GloveSample& sample, bool stale) noexcept;
-  void TakeDoubtful(int channel, const GloveSample& sample, bool stale) noexcept;
+  bool AcceptTrusted(const GloveSample& sample, bool stale) noexcept;
+  void CheckDoubtful(int channel, const GloveSample& sample, bool stale) noexcept;
   bool IsJump(int channel, double counts) noexcept;
   void Refuse(int channel, Untrusted kind) noexcept;
   double StartAt(std::size_t channel, double counts) const noexcept;

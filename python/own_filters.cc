@@ -134,8 +134,8 @@ class ObjectStepper final : public sim::Stepper {
   void Step(std::span<const double> input, std::span<double> output) override {
     const Call call;
     try {
-      Take(step_(py::array_t<double>(static_cast<py::ssize_t>(input.size()), input.data())),
-           output);
+      CopyAnswer(step_(py::array_t<double>(static_cast<py::ssize_t>(input.size()), input.data())),
+                 output);
     } catch (const py::error_already_set& raised) {
       Rethrow(raised);
     }
@@ -153,7 +153,7 @@ class ObjectStepper final : public sim::Stepper {
 
  private:
   /// Errors: RunError.
-  void Take(const py::object& answer, std::span<double> output) const {
+  void CopyAnswer(const py::object& answer, std::span<double> output) const {
     const auto fail = [&output](const std::string& returned) {
       throw sim::RunError(fmt::format("returned {}, must be an array of {} number{}", returned,
                                       output.size(), output.size() == 1 ? "" : "s"));

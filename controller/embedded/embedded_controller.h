@@ -142,7 +142,7 @@ class Controller {
   /// range, and is not touched else.
   bool Step(const float* counts, std::int32_t* motor_counts) noexcept {
     if (counts != nullptr) {
-      for (std::size_t i = 0; i < Channels; ++i) Take(i, counts[i]);
+      for (std::size_t i = 0; i < Channels; ++i) AcceptSample(i, counts[i]);
       if (!settings_.filter_at_event) Filter();
     }
     if (ticks_to_event_-- > 0) return false;
@@ -178,7 +178,7 @@ class Controller {
   }
 
   /// A sample that can be trusted; `start` if it is the first one.
-  void Take(std::size_t i, float counts) noexcept {
+  void AcceptSample(std::size_t i, float counts) noexcept {
     Channel& channel = channels_[i];
     if (!IsTrusted(i, counts)) {
       ++channel.untrusted;

@@ -44,8 +44,8 @@ class GAUNTLET_API Filter {
   /// Exchanges the states with `from`, so that settings can change while running. The settings
   /// stay. The time does not depend on the length of a window. False, without a change, if `from`
   /// is of another kind or has another history.
-  bool TakeMemory(Filter& from) noexcept {
-    return &from != this && from.channel_count_ == channel_count_ && TakeChecked(from);
+  bool SwapMemory(Filter& from) noexcept {
+    return &from != this && from.channel_count_ == channel_count_ && SwapChecked(from);
   }
 
  protected:
@@ -64,7 +64,7 @@ class GAUNTLET_API Filter {
   virtual void StepChecked(std::span<const double> input, std::span<double> output) noexcept = 0;
   virtual void ResetChecked(int channel) noexcept = 0;
   virtual void StartChecked(std::span<const double> values) noexcept = 0;
-  virtual bool TakeChecked(Filter& from) noexcept = 0;
+  virtual bool SwapChecked(Filter& from) noexcept = 0;
 
   int channel_count_;
 };

@@ -46,16 +46,16 @@ class FilterOfParts final : public Filter {
   void StartChecked(std::span<const double> values) noexcept override {
     for (const FilterPart& part : parts_) part.filter->StartAt(Gather(part, values));
   }
-  bool TakeChecked(Filter& from) noexcept override {
+  bool SwapChecked(Filter& from) noexcept override {
     auto* other = dynamic_cast<FilterOfParts*>(&from);
     if (other == nullptr || other->parts_.size() != parts_.size()) return false;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       if (other->parts_[i].channels != parts_[i].channels) return false;
     }
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-      if (parts_[i].filter->TakeMemory(*other->parts_[i].filter)) continue;
+      if (parts_[i].filter->SwapMemory(*other->parts_[i].filter)) continue;
       for (std::size_t k = 0; k < i; ++k) {  // an exchange: once more is as before
-        parts_[k].filter->TakeMemory(*other->parts_[k].filter);
+        parts_[k].filter->SwapMemory(*other->parts_[k].filter);
       }
       return false;
     }

@@ -101,7 +101,7 @@ class FixedLagFilter final : public StateFilter<Filter> {
     std::fill(counts_.begin(), counts_.end(), 1);
     filling_ = slots_;
   }
-  bool TakeChecked(Filter& from) noexcept override {
+  bool SwapChecked(Filter& from) noexcept override {
     auto* other = dynamic_cast<FixedLagFilter*>(&from);
     if (other == nullptr || other->slots_ != slots_) return false;
     filter_.Copy(other->filter_, 0, kR);
@@ -109,7 +109,7 @@ class FixedLagFilter final : public StateFilter<Filter> {
     std::swap(newest_, other->newest_);
     std::swap(counts_, other->counts_);
     std::swap(filling_, other->filling_);
-    TakeFresh(*other);
+    SwapFresh(*other);
     return true;
   }
 

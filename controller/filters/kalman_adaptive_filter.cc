@@ -122,7 +122,7 @@ class LearningKalmanFilter final : public StateFilter<KalmanAdaptiveFilter> {
   double q(int channel) const noexcept override { return arrays_[kQ][channel]; }
 
  private:
-  bool TakeChecked(Filter& from) noexcept override {
+  bool SwapChecked(Filter& from) noexcept override {
     auto* other = dynamic_cast<LearningKalmanFilter*>(&from);
     if (other == nullptr) return false;
     arrays_.Copy(other->arrays_, 0, kRMin);
@@ -130,7 +130,7 @@ class LearningKalmanFilter final : public StateFilter<KalmanAdaptiveFilter> {
       arrays_[kR][i] = std::clamp(arrays_[kR][i], arrays_[kRMin][i], arrays_[kRMax][i]);
       arrays_[kQ][i] = std::clamp(arrays_[kQ][i], arrays_[kQMin][i], arrays_[kQMax][i]);
     }
-    TakeFresh(*other);
+    SwapFresh(*other);
     return true;
   }
   void StepAll(std::span<const double> input, std::span<double> output) noexcept override {

@@ -83,7 +83,7 @@ class KalmanDenseFilter final : public StateFilter<Filter> {
   }
 
  private:
-  bool TakeChecked(Filter& from) noexcept override {
+  bool SwapChecked(Filter& from) noexcept override {
     auto* other = dynamic_cast<KalmanDenseFilter*>(&from);
     if (other == nullptr) return false;
     x_.swap(other->x_);
@@ -91,7 +91,7 @@ class KalmanDenseFilter final : public StateFilter<Filter> {
     p11_.swap(other->p11_);
     p12_.swap(other->p12_);
     p22_.swap(other->p22_);
-    TakeFresh(*other);
+    SwapFresh(*other);
     return true;
   }
   void StepAll(std::span<const double> input, std::span<double> output) noexcept override {

@@ -169,7 +169,7 @@ class ChannelKalmanFilter final : public StateFilter<KalmanFilter> {
     StateFilter::StartChecked(values);
     if (acceleration_) acceleration_->window().StartAt(values);
   }
-  bool TakeChecked(Filter& from) noexcept override {
+  bool SwapChecked(Filter& from) noexcept override {
     auto* other = dynamic_cast<ChannelKalmanFilter*>(&from);
     if (other == nullptr || other->layout_.states != layout_.states) return false;
     if (other->acceleration_.has_value() != acceleration_.has_value()) return false;
@@ -185,7 +185,7 @@ class ChannelKalmanFilter final : public StateFilter<KalmanFilter> {
       progress_[kSettled][i] = same ? other->progress_[kSettled][i] : 0.0;
     }
     all_settled_ = false;
-    TakeFresh(*other);
+    SwapFresh(*other);
     return true;
   }
   void SetState(int channel, double position) noexcept override {

@@ -25,7 +25,7 @@ class SortedWindowFilter : public Filter {
  private:
   void ResetChecked(int channel) noexcept final { window_.ResetChannel(channel); }
   void StartChecked(std::span<const double> values) noexcept final { window_.StartAt(values); }
-  bool TakeChecked(Filter& from) noexcept final {
+  bool SwapChecked(Filter& from) noexcept final {
     // A median and an outlier filter remember the same, so either may follow the other.
     auto* other = dynamic_cast<SortedWindowFilter*>(&from);
     if (other == nullptr || other->window_.length() != window_.length()) return false;

@@ -66,7 +66,7 @@ class MovingAverageFilter final : public Filter {
     sums_.SetZero();
     CopyWithoutSubnormals(values.data(), sums_[kSum], channel_count());
   }
-  bool TakeChecked(Filter& from) noexcept override {
+  bool SwapChecked(Filter& from) noexcept override {
     auto* other = dynamic_cast<MovingAverageFilter*>(&from);
     if (other == nullptr || other->window_.length() != window_.length()) return false;
     std::swap(window_, other->window_);

@@ -19,7 +19,7 @@ class NoFilter final : public Filter {
   }
   void ResetChecked(int) noexcept override {}
   void StartChecked(std::span<const double>) noexcept override {}
-  bool TakeChecked(Filter& from) noexcept override {
+  bool SwapChecked(Filter& from) noexcept override {
     return dynamic_cast<NoFilter*>(&from) != nullptr;
   }
 };

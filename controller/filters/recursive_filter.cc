@@ -29,7 +29,7 @@ void RecursiveFilter::StartChecked(std::span<const double> values) noexcept {
   fresh_.StartAll(values, [this](int channel, double value) { SettleAt(channel, value); });
 }
 
-bool RecursiveFilter::TakeChecked(Filter& from) noexcept {
+bool RecursiveFilter::SwapChecked(Filter& from) noexcept {
   if (typeid(from) != typeid(*this)) return false;
   auto& other = static_cast<RecursiveFilter&>(from);
   if (other.arrays_.array_count() != arrays_.array_count()) return false;

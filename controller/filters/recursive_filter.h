@@ -33,7 +33,7 @@ class RecursiveFilter : public Filter {
   void StepChecked(std::span<const double> input, std::span<double> output) noexcept final;
   void ResetChecked(int channel) noexcept final;
   void StartChecked(std::span<const double> values) noexcept final;
-  bool TakeChecked(Filter& from) noexcept final;
+  bool SwapChecked(Filter& from) noexcept final;
 
   ChannelArrays arrays_;
   FreshChannels fresh_;

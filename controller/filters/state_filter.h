@@ -54,7 +54,7 @@ class StateFilter : public Interface {
   virtual void SetState(int channel, double position) noexcept = 0;
 
   /// Which channels still wait for their first sample, from the filter whose memory is taken.
-  void TakeFresh(StateFilter& from) noexcept { std::swap(fresh_, from.fresh_); }
+  void SwapFresh(StateFilter& from) noexcept { std::swap(fresh_, from.fresh_); }
 
  private:
   Start start_;

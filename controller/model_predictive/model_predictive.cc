@@ -199,7 +199,7 @@ void ModelPredictive::Reset(std::span<const double> angle_rad) noexcept {
   std::fill(failed_plans_.begin(), failed_plans_.end(), 0);
 }
 
-void ModelPredictive::TakeMemory(ModelPredictive& from,
+void ModelPredictive::SwapMemory(ModelPredictive& from,
                                  std::span<const double> angle_rad) noexcept {
   Reset(angle_rad);
   failed_plans_.swap(from.failed_plans_);

@@ -52,7 +52,7 @@ class ModelPredictive {
   /// As new, the hand long since here.
   void Reset(std::span<const double> angle_rad) noexcept;
   /// Goes on where another one for the same hand stands, whose last target was this. Settings stay.
-  void TakeMemory(ModelPredictive& from, std::span<const double> angle_rad) noexcept;
+  void SwapMemory(ModelPredictive& from, std::span<const double> angle_rad) noexcept;
 
   /// How often each joint's last command had to stay since Reset(), for want of a plan. Empty where
   /// nothing is planned; the memory is there all the same, for those who read it before.

@@ -210,7 +210,7 @@ class AdaptivePredictor final : public StateFilter<Filter> {
     age_[channel] = 0;
     young_steps_ = old_steps_;
   }
-  bool TakeChecked(Filter& from) noexcept override {
+  bool SwapChecked(Filter& from) noexcept override {
     auto* other = dynamic_cast<AdaptivePredictor*>(&from);
     if (other == nullptr || other->delay_ != delay_ || other->rows_ != rows_) return false;
     for (int m = 0; m < kExperts; ++m) {
@@ -221,7 +221,7 @@ class AdaptivePredictor final : public StateFilter<Filter> {
     start_.swap(other->start_);
     age_.swap(other->age_);
     std::swap(young_steps_, other->young_steps_);
-    TakeFresh(*other);
+    SwapFresh(*other);
     return true;
   }
 

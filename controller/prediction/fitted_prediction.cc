@@ -147,7 +147,7 @@ class FittedPredictor final : public Filter {
     fresh_.AddAll();
     StartFresh(values);
   }
-  bool TakeChecked(Filter& from) noexcept override {
+  bool SwapChecked(Filter& from) noexcept override {
     auto* other = dynamic_cast<FittedPredictor*>(&from);
     if (other == nullptr || other->means_.length() != means_.length() ||
         other->mean_steps_ != mean_steps_) {

@@ -37,7 +37,7 @@ class LinearPredictor final : public Filter {
   }
   void ResetChecked(int channel) noexcept override { window_.ResetChannel(channel); }
   void StartChecked(std::span<const double> values) noexcept override { window_.StartAt(values); }
-  bool TakeChecked(Filter& from) noexcept override {
+  bool SwapChecked(Filter& from) noexcept override {
     auto* other = dynamic_cast<LinearPredictor*>(&from);
     if (other == nullptr || other->window_.length() != window_.length()) return false;
     std::swap(window_, other->window_);

@@ -102,9 +102,9 @@ void MotionPath::ResetChannel(int channel) noexcept {
   }
 }
 
-void MotionPath::TakeMemory(MotionPath& from, bool same_step,
+void MotionPath::SwapMemory(MotionPath& from, bool same_step,
                             std::span<const double> angle_rad) noexcept {
-  if (!later_ || (same_step && from.later_ && later_->TakeMemory(*from.later_))) return;
+  if (!later_ || (same_step && from.later_ && later_->SwapMemory(*from.later_))) return;
   RepeatInput(angle_rad);
   later_->StartAt(later_input_rad_);
 }

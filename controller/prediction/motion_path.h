@@ -36,9 +36,9 @@ class MotionPath {
   void Hold(int channel, double angle_rad) noexcept;
   void Reset() noexcept;
   void ResetChannel(int channel) noexcept;
-  /// Goes on where another one stands; one that cannot (see Filter::TakeMemory), or whose steps
+  /// Goes on where another one stands; one that cannot (see Filter::SwapMemory), or whose steps
   /// were others, starts at these angles.
-  void TakeMemory(MotionPath& from, bool same_step, std::span<const double> angle_rad) noexcept;
+  void SwapMemory(MotionPath& from, bool same_step, std::span<const double> angle_rad) noexcept;
 
  private:
   void RepeatInput(std::span<const double> angle_rad) noexcept;

@@ -7,7 +7,7 @@
 
 namespace gauntlet::sim {
 
-void Extent::Take(double value) {
+void Extent::Include(double value) {
   if (!std::isfinite(value)) return;
   low = std::min(low, value);
   high = std::max(high, value);

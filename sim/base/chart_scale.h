@@ -11,7 +11,7 @@ struct Extent {
   double high = -std::numeric_limits<double>::infinity();
 
   /// Extends the range to this value. Ignores a value that is not finite.
-  void Take(double value);
+  void Include(double value);
   /// Extends the range by this share of its width at both ends; by 1 if the width is 0.
   void Widen(double share);
   /// Relative position of a value in the range, 0 to 1; 0.5 if the width is 0.

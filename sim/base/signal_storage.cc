@@ -89,7 +89,7 @@ std::size_t ResidentFileBytes() {
 }
 
 /// Allocates all pages of a long signal at once. One page at a time takes twice as long.
-void TakeAtOnce(void* data, std::size_t bytes) {
+void AllocatePages(void* data, std::size_t bytes) {
   static const auto kPageBytes = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   const std::size_t into_page = reinterpret_cast<std::uintptr_t>(data) % kPageBytes;
   void* const begin = static_cast<std::byte*>(data) - into_page;
@@ -103,7 +103,7 @@ SignalStorage::SignalStorage(std::size_t bytes) : bytes_(bytes) {
   if (FitsOnHeap()) {
     data_ = ::operator new(bytes, kAlignment, std::nothrow);
     if (data_ != nullptr) {
-      if (counted_bytes_ > 0) TakeAtOnce(data_, bytes);
+      if (counted_bytes_ > 0) AllocatePages(data_, bytes);
       return;
     }
     bytes_on_heap -= std::exchange(counted_bytes_, 0);

@@ -51,7 +51,7 @@ Candidates OptionsOf(const Command& command) {
   return candidates;
 }
 
-bool TakesValue(const Option* option) { return option != nullptr && !option->is_flag(); }
+bool NeedsValue(const Option* option) { return option != nullptr && !option->is_flag(); }
 
 /// The words that stand for the arguments of a command, without options and their values.
 std::vector<std::string> Arguments(const Command& command, const std::vector<std::string>& words) {
@@ -59,7 +59,7 @@ std::vector<std::string> Arguments(const Command& command, const std::vector<std
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (!words[i].starts_with('-')) {
       arguments.push_back(words[i]);
-    } else if (TakesValue(FindNamed<Option>(command.options, words[i]))) {
+    } else if (NeedsValue(FindNamed<Option>(command.options, words[i]))) {
       ++i;
     }
   }
@@ -178,7 +178,7 @@ Candidates For(const std::vector<Command>& commands, const std::vector<std::stri
   const auto arguments = Arguments(*command, {words.begin() + 1, words.end() - 1});
   const Option* option =
       previous.starts_with('-') ? FindNamed<Option>(command->options, previous) : nullptr;
-  if (TakesValue(option)) return ForValue(*option, current, arguments);
+  if (NeedsValue(option)) return ForValue(*option, current, arguments);
   if (current.starts_with('-')) return OptionsOf(*command);
   return ForArgument(*command, current, arguments);
 }

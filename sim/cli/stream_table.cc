@@ -171,20 +171,20 @@ StreamTable::StreamTable(const StreamHead& head, const std::string& map,
   columns_ = head.layout.columns;
   values_.resize(columns_);
   if (map.empty()) {
-    TakeColumns(head, asked);
+    ChooseColumns(head, asked);
   } else {
-    TakeMap(head, map, asked);
+    ApplyMap(head, map, asked);
   }
 }
 
-void StreamTable::TakeChannel(std::size_t column, std::vector<ChannelValues::Parts>& channels) {
+void StreamTable::AddChannel(std::size_t column, std::vector<ChannelValues::Parts>& channels) {
   output_[column].channel = channels.size();
   filtered_.push_back(channels.size());
   channels.push_back({{.column = column}});
 }
 
 /// `k`, the number of the sample, is no channel in the first column only.
-void StreamTable::TakeColumns(const StreamHead& head, const std::vector<std::string>& asked) {
+void StreamTable::ChooseColumns(const StreamHead& head, const std::vector<std::string>& asked) {
   std::vector<std::string> names;
   for (const std::string& name : head.names) names.emplace_back(Unquoted(name));
   names.resize(columns_);
@@ -196,7 +196,7 @@ void StreamTable::TakeColumns(const StreamHead& head, const std::vector<std::str
     const std::string& name = names[column];
     output_.push_back({.column = column});
     if (!asked.empty() && is_asked[column]) {
-      TakeChannel(column, channels);
+      AddChannel(column, channels);
       continue;
     }
     const bool is_last_of_separators = name.empty() && column > 0 && column + 1 == columns_;
@@ -211,7 +211,7 @@ void StreamTable::TakeColumns(const StreamHead& head, const std::vector<std::str
     if (is_time) {
       Say("gauntlet: standard input: {} is the time\n", Shown(name));
     } else if (asked.empty()) {
-      TakeChannel(column, channels);
+      AddChannel(column, channels);
       if (!MayBeTime(name)) continue;
       Say("gauntlet: warning: standard input:1:{}: {} is filtered as a channel; if it is the time, "
           "call it time_s or time_ms\n",
@@ -228,12 +228,12 @@ void StreamTable::TakeColumns(const StreamHead& head, const std::vector<std::str
   header_ = fmt::format("{}\n", fmt::join(written, std::string(1, separator_)));
 }
 
-void StreamTable::TakeMap(const StreamHead& head, const std::string& map,
-                          const std::vector<std::string>& asked) {
+void StreamTable::ApplyMap(const StreamHead& head, const std::string& map,
+                           const std::vector<std::string>& asked) {
   const ColumnMap columns = ReadColumnMap(
       map, RecordingColumns{.name = kPlace, .header = head.layout.names, .count = columns_});
   time_ = columns.time;
-  const std::vector<std::string> names = TakeChannels(columns);
+  const std::vector<std::string> names = AddMappedChannels(columns);
   KeepAsked(names, asked);
   if (head.names.empty()) return;
   for (const OutputCell& cell : output_) {
@@ -243,7 +243,7 @@ void StreamTable::TakeMap(const StreamHead& head, const std::string& map,
   header_.push_back('\n');
 }
 
-std::vector<std::string> StreamTable::TakeChannels(const ColumnMap& map) {
+std::vector<std::string> StreamTable::AddMappedChannels(const ColumnMap& map) {
   std::vector<ChannelValues::Parts> parts(KnownChannels().size());
   std::vector<bool> passes(columns_, true);
   for (const ColumnMapping& mapping : map.channels) {

@@ -81,13 +81,13 @@ class StreamTable {
     std::optional<std::size_t> channel = {};
   };
 
-  void TakeColumns(const StreamHead& head, const std::vector<std::string>& asked);
-  void TakeMap(const StreamHead& head, const std::string& map,
-               const std::vector<std::string>& asked);
+  void ChooseColumns(const StreamHead& head, const std::vector<std::string>& asked);
+  void ApplyMap(const StreamHead& head, const std::string& map,
+                const std::vector<std::string>& asked);
   /// The channels of a map and the columns that pass through; returns the names of the channels.
-  std::vector<std::string> TakeChannels(const ColumnMap& map);
+  std::vector<std::string> AddMappedChannels(const ColumnMap& map);
   void KeepAsked(const std::vector<std::string>& names, const std::vector<std::string>& asked);
-  void TakeChannel(std::size_t column, std::vector<ChannelValues::Parts>& channels);
+  void AddChannel(std::size_t column, std::vector<ChannelValues::Parts>& channels);
   std::string Plain(std::string_view field) const;
   double ValueOf(std::size_t channel, double time_s);
   void WriteNumber(std::size_t channel, double value);

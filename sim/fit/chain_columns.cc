@@ -201,8 +201,8 @@ void ListIgnored(const std::vector<std::string>& names, ChainColumns& columns) {
 }
 
 /// The columns of the parts by their names; those of `bare` have no word of a role.
-void TakeNames(const std::vector<std::string>& names, std::vector<PartColumn>& bare,
-               ChainColumns& columns) {
+void FindPartsByName(const std::vector<std::string>& names, std::vector<PartColumn>& bare,
+                     ChainColumns& columns) {
   for (std::size_t column = 0; column < names.size(); ++column) {
     const std::string& name = names[column];
     const bool is_time =
@@ -227,7 +227,7 @@ void TakeNames(const std::vector<std::string>& names, std::vector<PartColumn>& b
 }
 
 /// The columns of the parts by a column map.
-void TakeMap(const FoundTable& table, const std::string& map, ChainColumns& columns) {
+void FindPartsByMap(const FoundTable& table, const std::string& map, ChainColumns& columns) {
   const LogMap roles = ReadLogMap(
       map,
       {.name = table.reader.name(), .header = table.layout.names, .count = table.layout.columns});
@@ -283,9 +283,9 @@ ChainColumns FindChainColumns(const FoundTable& table, const std::string& map) {
   columns.episodes = FindEpisodes(table.layout);
   std::vector<PartColumn> bare;
   if (map.empty()) {
-    TakeNames(names, bare, columns);
+    FindPartsByName(names, bare, columns);
   } else {
-    TakeMap(table, map, columns);
+    FindPartsByMap(table, map, columns);
   }
   if (columns.time.empty()) csv.Fail(1, "there is no column of time (as t_s or time_ms)");
   PairParts(table, bare, columns);

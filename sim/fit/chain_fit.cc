@@ -100,7 +100,7 @@ bool OrderIsOpen(const std::vector<FittedFamily>& fits) {
   });
 }
 
-void TakeSecondOrder(const std::vector<FittedFamily>& fits, ChainFit& fit) {
+void EstimateSecondOrder(const std::vector<FittedFamily>& fits, ChainFit& fit) {
   if (!fits.front().second_order || fits.front().family.Has(kExtraLag)) return;
   const ChainEstimate inertia_s2 =
       EstimateOf(fits, 0.0, [](const ChainModel& m) { return m.inertia_s2; });
@@ -136,7 +136,7 @@ void AllowForStribeck(ChainFit& fit) {
   fit.damping_ratio.high *= 1.14;
 }
 
-void TakeSplit(const std::vector<FittedFamily>& fits, ChainFit& fit) {
+void EstimateSplit(const std::vector<FittedFamily>& fits, ChainFit& fit) {
   const auto estimate = [&](const auto& value_of, double least = 0.0) {
     return EstimateOf(fits, least, value_of);
   };
@@ -161,7 +161,7 @@ void TakeSplit(const std::vector<FittedFamily>& fits, ChainFit& fit) {
         EstimateOf(selected, 1e-9, [](const ChainModel& m) { return 1.0 / m.speed_limit_deg_s; }),
         [](double slowness) { return 1.0 / slowness; });
   }
-  TakeSecondOrder(fits, fit);
+  EstimateSecondOrder(fits, fit);
   if (selected.family.friction_in_lag) AllowForStribeck(fit);
 }
 
@@ -439,7 +439,7 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
         "this motion does not tell dead time, lag and hysteresis apart: one of more speeds may";
     return fit;
   }
-  TakeSplit(fits, fit);
+  EstimateSplit(fits, fit);
   if (fit.frames) WidenDeadTime(1e3 * fit.frames->open_rows / rate_hz, fit.dead_time_ms);
   if (detail == ChainDetail::kBasic) return fit;
   CheckDelay(rows, fits.front(), fit);

@@ -153,8 +153,8 @@ class Episodes {
   std::vector<double> numbers_;
 };
 
-void TakeRow(const std::vector<PartColumn>& columns, const std::vector<double>& values,
-             double time_s, ChainRows& rows) {
+void AddRow(const std::vector<PartColumn>& columns, const std::vector<double>& values,
+            double time_s, ChainRows& rows) {
   if (rows.count++ == 0.0) {
     rows.first_s = time_s;
   } else {
@@ -221,7 +221,7 @@ std::vector<ChainRows> ReadRows(const ChainColumns& columns, const std::vector<P
       rows.episode = episodes.number();
       rows.series.resize(parts.size());
     }
-    TakeRow(parts, values, time_s, all.back());
+    AddRow(parts, values, time_s, all.back());
   }
   episodes.Check(csv, wanted);
   if (all.empty()) csv.Fail(1, "the log has fewer than two rows");

@@ -79,7 +79,7 @@ void FindStretches(const Rows& rows, bool has_time, PoseRecording& recording) {
   }
 }
 
-void TakeTime(const CsvReader& csv, const PoseColumns& columns, const std::vector<double>& values,
+void ReadTime(const CsvReader& csv, const PoseColumns& columns, const std::vector<double>& values,
               Rows& rows) {
   if (columns.time.empty()) return;
   double time_s = 0.0;
@@ -136,7 +136,7 @@ Rows ReadRows(CsvReader& csv, const PoseColumns& columns, double rate_hz,
   std::vector<double> values(csv.column_count());
   for (; csv.NextRow(values); ++rows.count_in_file) {
     const std::size_t row = rows.count_in_file;
-    TakeTime(csv, columns, values, rows);
+    ReadTime(csv, columns, values, rows);
     const bool whole = std::ranges::none_of(
         columns.counts, [&](const ChannelColumn& c) { return std::isnan(values[c.column]); });
     if (!whole || IsBeyondScale(csv, columns, values, recording, rows)) continue;

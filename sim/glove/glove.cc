@@ -141,8 +141,8 @@ std::vector<double> Shortened(const std::vector<double>& values) {
 /// The bits of the converters of these columns. Columns whose bits are not in the map are of one
 /// converter, which is as large as any of them needs, unless the settings have a list. Errors:
 /// UserError if columns without bits of their own would become counts of another converter.
-void TakeBitsOfMap(const ColumnMap& map, const std::vector<OwnCounts>& columns,
-                   const std::string& file, ConverterConfig& converter) {
+void ApplyBitsOfMap(const ColumnMap& map, const std::vector<OwnCounts>& columns,
+                    const std::string& file, ConverterConfig& converter) {
   constexpr double kFewestBits = 8.0;
   std::vector<double> bits;
   for (std::size_t c = 0; c < KnownChannels().size(); ++c) bits.push_back(converter.bits_of(c));
@@ -192,7 +192,7 @@ std::vector<int> ChannelsOf(const GloveConfig& config) {
   return indices;
 }
 
-void TakeCalibrationOfMap(GloveConfig& config) {
+void ApplyCalibrationOfMap(GloveConfig& config) {
   const auto* motion = std::get_if<RecordedMotionConfig>(&config.motion.settings);
   if (motion == nullptr || motion->use != RecordingUse::kMeasured || motion->map.empty() ||
       !config.calibration.empty()) {
@@ -209,7 +209,7 @@ void TakeCalibrationOfMap(GloveConfig& config) {
   }
   const auto own_counts = [&] { return OwnCountsOf(map, NominalCountsOf(config.converter)); };
   if (own_counts().empty()) return;
-  TakeBitsOfMap(map, own_counts(), motion->map, config.converter);
+  ApplyBitsOfMap(map, own_counts(), motion->map, config.converter);
   const auto rounded = [](double value) { return std::round(value * 1e9) / 1e9; };
   for (const OwnCounts& own : own_counts()) {
     const auto deg_at = [&](double counts) {

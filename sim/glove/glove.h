@@ -57,7 +57,7 @@ std::vector<double> NoiseVarianceRad2(const GloveConfig& config);
 /// its column map, unless the settings have a calibration. A file that cannot be read, or settings
 /// that are wrong, change nothing: SynthesiseGlove() reports them. Errors: UserError if columns
 /// without bits of their own would become counts of another converter.
-void TakeCalibrationOfMap(GloveConfig& config);
+void ApplyCalibrationOfMap(GloveConfig& config);
 
 /// Calibration for the controllers. A channel of `config.calibration` has its two poses, every
 /// other one those of the nominal sensor, without the deviations of the glove that a seed draws.

@@ -35,7 +35,7 @@ struct GloveConfig {
   SensorConfig sensor;
   NoiseConfig noise;
   ConverterConfig converter;
-  std::vector<OwnCalibration> calibration;  // see TakeCalibrationOfMap()
+  std::vector<OwnCalibration> calibration;  // see ApplyCalibrationOfMap()
   std::vector<FaultConfig> faults;
 
   void Visit(controller::SettingsVisitor& visitor);

@@ -112,7 +112,7 @@ Hand::State::State(std::shared_ptr<const HandModel> hand_model)
 void Hand::State::ReadInputs() noexcept {
   const controller::TendonTransmission& map = hand->transmission();
   for (std::size_t motor = 0; motor < inputs.size(); ++motor) {
-    target_rad[motor] = inputs[motor].Take(map.ToSpoolAngle(motor, counts[motor]), commanded);
+    target_rad[motor] = inputs[motor].Step(map.ToSpoolAngle(motor, counts[motor]), commanded);
     sensor_error_rad[motor] = inputs[motor].SensorError(spools[motor].angle_rad);
   }
 }

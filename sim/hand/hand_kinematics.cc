@@ -48,7 +48,7 @@ bool IsSpool(const std::string& name) { return name.ends_with("_spool"); }
 HandKinematics::HandKinematics(const std::filesystem::path& model, const std::string& key,
                                const FingerOfName& finger_of)
     : file_(model.string()), model_(nullptr, &mj_deleteModel), data_(nullptr, &mj_deleteData) {
-  TakeOverMujocoMessages();
+  RedirectMujocoMessages();
   TryModel(model, key);
   ReadableMjcf readable;
   model_.reset(LoadModel(model, readable));

@@ -285,7 +285,7 @@ GraspParts NumberedAsIn(const PhysicsModel& physics, GraspParts grasp) {
 }  // namespace
 
 std::vector<MotorInModel> ReadMotors(const std::filesystem::path& path) {
-  TakeOverMujocoMessages();
+  RedirectMujocoMessages();
   TryModel(path, "");
   ReadableMjcf readable;
   const std::unique_ptr<mjModel, void (*)(mjModel*)> model(LoadModel(path, readable),
@@ -298,7 +298,7 @@ HandModel::HandModel(const HandConfig& config)
 
 HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
     : config_(config), timing_(timing), model_(nullptr, &mj_deleteModel) {
-  TakeOverMujocoMessages();
+  RedirectMujocoMessages();
   controller::CheckSettings(config);
   const std::filesystem::path path = ModelPath(config);
   if (!config.model_path.empty()) TryModel(path, "hand.model_path");

@@ -12,20 +12,21 @@ using Form = HandShapes::Form;
 constexpr int kGroupsDrawn = 3;  // as mjv_defaultOption() has it
 
 template <std::size_t count, class Number>
-std::array<Number, count> Take(const Number* values, int index) {
+std::array<Number, count> CopyValues(const Number* values, int index) {
   std::array<Number, count> taken;
   std::copy_n(values + static_cast<std::ptrdiff_t>(count) * index, count, taken.begin());
   return taken;
 }
 
 Frame FrameAt(const mjtNum* position_m, const mjtNum* rotation, int index) {
-  return {.position_m = Take<3>(position_m, index), .rotation = Take<4>(rotation, index)};
+  return {.position_m = CopyValues<3>(position_m, index),
+          .rotation = CopyValues<4>(rotation, index)};
 }
 
 /// A material's colour holds unless the shape has one of its own.
 std::array<float, 4> Colour(const mjModel& model, int material, const std::array<float, 4>& own) {
   constexpr std::array<float, 4> kDefault = {0.5f, 0.5f, 0.5f, 1.0f};
-  return material >= 0 && own == kDefault ? Take<4>(model.mat_rgba, material) : own;
+  return material >= 0 && own == kDefault ? CopyValues<4>(model.mat_rgba, material) : own;
 }
 
 std::optional<Form> FormOf(int type) {
@@ -58,8 +59,8 @@ void AddHinges(const HandModel& hand, HandShapes& shapes) {
     const int qpos = model.jnt_qposadr[index];
     HandShapes::Hinge hinge{.body = model.jnt_bodyid[index],
                             .joint = joint_at(qpos),
-                            .position_m = Take<3>(model.jnt_pos, index),
-                            .axis = Take<3>(model.jnt_axis, index),
+                            .position_m = CopyValues<3>(model.jnt_pos, index),
+                            .axis = CopyValues<3>(model.jnt_axis, index),
                             .zero_rad = model.qpos0[qpos],
                             .coefficient = {}};
     const auto follower = std::ranges::find(hand.followers(), qpos, &Follower::qpos);
@@ -75,11 +76,11 @@ void AddHinges(const HandModel& hand, HandShapes& shapes) {
 void AddShapes(const mjModel& model, HandShapes& shapes) {
   for (int geom = 0; geom < model.ngeom; ++geom) {
     const std::optional<Form> form = FormOf(model.geom_type[geom]);
-    const auto rgba = Colour(model, model.geom_matid[geom], Take<4>(model.geom_rgba, geom));
+    const auto rgba = Colour(model, model.geom_matid[geom], CopyValues<4>(model.geom_rgba, geom));
     if (!form || model.geom_group[geom] >= kGroupsDrawn || rgba[3] == 0.0f) continue;
     shapes.shapes.push_back({.body = model.geom_bodyid[geom],
                              .form = *form,
-                             .size_m = Take<3>(model.geom_size, geom),
+                             .size_m = CopyValues<3>(model.geom_size, geom),
                              .frame = FrameAt(model.geom_pos, model.geom_quat, geom),
                              .rgba = rgba,
                              .mesh = *form == Form::kMesh ? model.geom_dataid[geom] : -1});
@@ -94,7 +95,8 @@ void AddShapes(const mjModel& model, HandShapes& shapes) {
 
 void AddCables(const mjModel& model, HandShapes& shapes) {
   for (int tendon = 0; tendon < model.ntendon; ++tendon) {
-    const auto rgba = Colour(model, model.tendon_matid[tendon], Take<4>(model.tendon_rgba, tendon));
+    const auto rgba =
+        Colour(model, model.tendon_matid[tendon], CopyValues<4>(model.tendon_rgba, tendon));
     if (model.tendon_group[tendon] >= kGroupsDrawn || rgba[3] == 0.0f) continue;
     HandShapes::Cable cable{.rgba = rgba, .width_m = model.tendon_width[tendon], .points = {}};
     const int first = model.tendon_adr[tendon];
@@ -113,7 +115,7 @@ void AddCables(const mjModel& model, HandShapes& shapes) {
                                      .side = {}};
         if (const int side = static_cast<int>(model.wrap_prm[wrap]); side >= 0) {
           point.side = {.body = model.site_bodyid[side],
-                        .position_m = Take<3>(model.site_pos, side)};
+                        .position_m = CopyValues<3>(model.site_pos, side)};
         }
         cable.points.push_back(point);
       }

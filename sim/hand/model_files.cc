@@ -45,7 +45,7 @@ std::vector<std::string> ValuesOf(std::string_view name, std::string_view text) 
   return values;
 }
 
-void Take(const fs::path& file, const fs::path& folder, std::set<fs::path>& taken) {
+void RegisterFile(const fs::path& file, const fs::path& folder, std::set<fs::path>& taken) {
   if (!taken.insert(file).second) return;
   std::ifstream stream(InputFile(file), std::ios::binary);
   const std::string text(std::istreambuf_iterator<char>(stream), {});
@@ -56,16 +56,16 @@ void Take(const fs::path& file, const fs::path& folder, std::set<fs::path>& take
       const fs::path part = folder / below / name;
       std::error_code missing;
       if (!fs::is_regular_file(part, missing)) continue;
-      part.extension() == ".xml" ? Take(part, folder, taken) : void(InputFile(part));
+      part.extension() == ".xml" ? RegisterFile(part, folder, taken) : void(InputFile(part));
     }
   }
 }
 
 }  // namespace
 
-void TakeModelFiles(const fs::path& model) {
+void RegisterModelFiles(const fs::path& model) {
   std::set<fs::path> taken;
-  Take(model, model.parent_path(), taken);
+  RegisterFile(model, model.parent_path(), taken);
 }
 
 mjModel* LoadModel(const fs::path& path, ReadableMjcf& readable) {
@@ -99,7 +99,7 @@ void TryModel(const fs::path& path, const std::string& key) {
   constexpr HelperLimits kLimits = {
       .processor_s = 20.0, .memory_bytes = std::size_t{2} << 30, .silence_s = 30};
   try {
-    TakeModelFiles(path);
+    RegisterModelFiles(path);
   } catch (const UserError& error) {
     throw UserError({.key = key, .problem = error.what()});
   }

@@ -11,7 +11,7 @@ namespace gauntlet::sim {
 /// Takes a MuJoCo model for an input (input_file.h), with the files that its text names as
 /// file="..", where the engine looks for them: beside the model and in the folders of its meshdir,
 /// texturedir and assetdir. Errors: as of InputFile().
-void TakeModelFiles(const std::filesystem::path& model);
+void RegisterModelFiles(const std::filesystem::path& model);
 
 /// The compiled model of an MJCF file as ReadModelText() gives it; the caller deletes it.
 /// `readable` gets all but the text. Errors: UserError with the file.

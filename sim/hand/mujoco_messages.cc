@@ -20,7 +20,7 @@ void KeepWarning(const char* message) { last_warning = message; }
 
 std::string TakeMujocoWarning() { return std::exchange(last_warning, {}); }
 
-void TakeOverMujocoMessages() {
+void RedirectMujocoMessages() {
   mju_user_error = &ThrowError;
   mju_user_warning = &KeepWarning;
 }

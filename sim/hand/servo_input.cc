@@ -35,7 +35,7 @@ void ServoInput::Reset(double target_rad) {
   noise_ = NoiseOf(motor_);
 }
 
-double ServoInput::Take(double command_rad, bool commanded) noexcept {
+double ServoInput::Step(double command_rad, bool commanded) noexcept {
   const bool running = free_running_ ? tick_ >= first_frame_tick_ : commanded;
   if (!running) ++tick_;
   double taken_rad = taken_rad_[now_];

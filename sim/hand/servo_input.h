@@ -21,7 +21,7 @@ class ServoInput {
   /// Holds the command since long ago.
   void Reset(double target_rad);
   /// One tick: the command that counts now. `commanded`: there has been one since the Reset().
-  double Take(double command_rad, bool commanded) noexcept;
+  double Step(double command_rad, bool commanded) noexcept;
   /// One tick: what the sensor says beyond the true angle [rad].
   double SensorError(double angle_rad) noexcept;
 

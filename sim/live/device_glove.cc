@@ -42,7 +42,7 @@ void DeviceGlove::Read(const std::stop_token& stop) {
   constexpr auto kLook = std::chrono::milliseconds(20);
   const auto take = [&](const DeviceFrame& frame) {
     if (MayGetNames(frame.arrival_ns)) return;
-    const FrameArrivals::Numbered numbered = arrivals_.Take(frame);
+    const FrameArrivals::Numbered numbered = arrivals_.Add(frame);
     const std::span<const double> counts =
         channels_.Counts(setup_.source->columns(), numbered.stamp_s, frame.values);
     const bool is_taken = frames_.Push({.number = numbered.number,
@@ -113,17 +113,18 @@ bool DeviceGlove::HasEnded(std::int64_t /*tick*/) const noexcept {
 
 std::span<const std::int32_t> DeviceGlove::Step(const LiveTick& tick, HandLoop& loop) noexcept {
   most_waiting_ = std::max(most_waiting_, waiting_frames());
-  if (has_first_) Take(first_, first_counts_, tick, loop);
+  if (has_first_) AcceptFrame(first_, first_counts_, tick, loop);
   has_first_ = false;
-  while (frames_.Pop(
-      [&](const Head& head, std::span<const double> counts) { Take(head, counts, tick, loop); })) {
+  while (frames_.Pop([&](const Head& head, std::span<const double> counts) {
+    AcceptFrame(head, counts, tick, loop);
+  })) {
   }
   step_begin_ns_ = MonotonicNow_ns();
   return loop.StepController();
 }
 
-void DeviceGlove::Take(const Head& head, std::span<const double> counts, const LiveTick& tick,
-                       HandLoop& loop) noexcept {
+void DeviceGlove::AcceptFrame(const Head& head, std::span<const double> counts,
+                              const LiveTick& tick, HandLoop& loop) noexcept {
   SampleTimes& times = times_[static_cast<std::size_t>(head.number) % times_.size()];
   if (times.number != head.number) {
     times = {.number = head.number,
@@ -131,10 +132,10 @@ void DeviceGlove::Take(const Head& head, std::span<const double> counts, const L
              .decoded_ns = head.decoded_ns,
              .taken_ns = MonotonicNow_ns()};
   }
-  loop.TakeGloveFrame({.number = head.number,
-                       .origin_tick = loop.tick(),
-                       .stamp_ticks = head.stamp_s * timing_.tick_rate_hz,
-                       .values = counts});
+  loop.AcceptGloveFrame({.number = head.number,
+                         .origin_tick = loop.tick(),
+                         .stamp_ticks = head.stamp_s * timing_.tick_rate_hz,
+                         .values = counts});
   if (head.number <= logged_number_) return;
   logged_number_ = head.number;
   if (tick.log != nullptr) {
@@ -147,7 +148,7 @@ void DeviceGlove::Take(const Head& head, std::span<const double> counts, const L
 void DeviceGlove::FollowGlove(HandLoop& loop) noexcept {
   const std::int64_t period = timing_.ticks_per_sample;
   const std::int64_t since = ((loop.tick() - grid_phase_) % period + period) % period;
-  const int shift = grid_.Take(since == 0 ? 0 : period - since);
+  const int shift = grid_.Step(since == 0 ? 0 : period - since);
   loop.ShiftSamples(shift);
   grid_phase_ += shift;
   grid_shifts_ += std::abs(shift);

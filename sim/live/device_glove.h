@@ -42,8 +42,8 @@ class DeviceGlove final : public LiveGlove {
   std::span<const std::int32_t> Step(const LiveTick& tick, HandLoop& loop) noexcept override;
   std::optional<SampleTimes> TimesOf(const LiveTick& tick, const HandLoop& loop,
                                      std::int64_t before) const noexcept override;
-  void Take(const Head& head, std::span<const double> counts, const LiveTick& tick,
-            HandLoop& loop) noexcept;
+  void AcceptFrame(const Head& head, std::span<const double> counts, const LiveTick& tick,
+                   HandLoop& loop) noexcept;
   void FollowGlove(HandLoop& loop) noexcept;
   void Read(const std::stop_token& stop);
   bool MayGetNames(std::int64_t arrival_ns);

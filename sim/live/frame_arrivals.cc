@@ -28,7 +28,7 @@ double ArrivalFacts::PerSecond(std::int64_t count) const {
                                            : static_cast<double>(count - 1) / duration_s();
 }
 
-FrameArrivals::Numbered FrameArrivals::Take(const DeviceFrame& frame) {
+FrameArrivals::Numbered FrameArrivals::Add(const DeviceFrame& frame) {
   if (facts_.frames == 0) {
     facts_.first_ns = frame.arrival_ns;
   } else {

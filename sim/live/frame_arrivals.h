@@ -45,7 +45,7 @@ class FrameArrivals {
     double stamp_s = 0.0;     // by the sender's clock, without one the arrival; of any origin
   };
 
-  Numbered Take(const DeviceFrame& frame);
+  Numbered Add(const DeviceFrame& frame);
   /// Facts of the frames so far.
   ArrivalFacts Facts() const;
 

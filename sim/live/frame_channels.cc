@@ -75,7 +75,7 @@ std::span<const double> FrameChannels::Counts(const DeviceColumns& columns, doub
   return counts_;
 }
 
-void FrameChannels::TakeInOrder(const DeviceColumns& columns) {
+void FrameChannels::ConfigureInOrder(const DeviceColumns& columns) {
   const std::vector<std::string>& names = config_.glove.channel_names;
   const std::vector<std::size_t> values = ValueColumns(columns);
   std::vector<std::string> known;
@@ -109,7 +109,7 @@ void FrameChannels::Configure(const DeviceColumns& columns) {
                             : ReadColumnMap(config_.map, RecordingColumns{.name = config_.source,
                                                                           .header = columns.names,
                                                                           .count = columns.count});
-  if (config_.map.empty() && map.channels.empty()) return TakeInOrder(columns);
+  if (config_.map.empty() && map.channels.empty()) return ConfigureInOrder(columns);
   const controller::GloveCalibration& glove = config_.glove;
   const std::vector<controller::ConverterRange> converters = controller::ConvertersOf(glove);
   std::vector<ChannelValues::Parts> channels(glove.channel_names.size());

@@ -42,7 +42,7 @@ class FrameChannels {
 
  private:
   void Configure(const DeviceColumns& columns);
-  void TakeInOrder(const DeviceColumns& columns);
+  void ConfigureInOrder(const DeviceColumns& columns);
   [[noreturn]] void Fail(const std::string& problem) const;
 
   FrameChannelsConfig config_;

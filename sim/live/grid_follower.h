@@ -12,7 +12,7 @@ class GridFollower {
 
   /// A frame arrived `wait_ticks` before the next sample, 0 to the period - 1. Returns by how much
   /// the grid is to be shifted.
-  int Take(std::int64_t wait_ticks) noexcept {
+  int Step(std::int64_t wait_ticks) noexcept {
     constexpr double kInTime = 0.95;
     constexpr int kCoarse = 4;
     if (period_ < kCoarse) return 0;

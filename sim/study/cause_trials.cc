@@ -12,7 +12,7 @@ namespace gauntlet::sim {
 namespace {
 
 /// Commands at once, at every tick if may be.
-void TakeLink(bool keeps_events, Scenario& scenario) {
+void RemoveLink(bool keeps_events, Scenario& scenario) {
   scenario.event.delay_ms = 0.0;
   if (!keeps_events) scenario.event.period_ms = 1.0;
   for (ServoConfig* servo : {&scenario.hand.servo, &scenario.hand.arm_servo}) {
@@ -20,13 +20,13 @@ void TakeLink(bool keeps_events, Scenario& scenario) {
   }
 }
 
-void TakeFriction(HandConfig& hand) {
+void RemoveFriction(HandConfig& hand) {
   hand.motor_friction_scale = {0.0};
   hand.cable.backlash_deg = 0.0;
   for (ServoConfig* servo : {&hand.servo, &hand.arm_servo}) servo->numbers().play_deg = 0.0;
 }
 
-void TakeServo(HandConfig& hand) {
+void RemoveServo(HandConfig& hand) {
   for (ServoConfig* servo : {&hand.servo, &hand.arm_servo}) {
     servo->settings = IdealServo{};
   }
@@ -43,7 +43,7 @@ GloveConfig WithoutErrors(GloveConfig config) {
   return WithoutNoise(std::move(config));
 }
 
-bool TakesGloveAsItIs(const controller::ControllerConfig& config) {
+bool UsesGloveAsItIs(const controller::ControllerConfig& config) {
   return config.linearisation.kind == controller::LinearisationKind::kGlove;
 }
 
@@ -94,10 +94,10 @@ std::shared_ptr<const HandModel> CauseTrials::HandWithout(ErrorCause cause, bool
   std::shared_ptr<const HandModel>& hand = hands_[{cause, keeps_events}];
   if (hand) return hand;
   Scenario scenario = study_.scenario;
-  TakeLink(keeps_events, scenario);
+  RemoveLink(keeps_events, scenario);
   if (cause >= ErrorCause::kSaturation) scenario.hand.motor_limits = false;
-  if (cause >= ErrorCause::kFriction) TakeFriction(scenario.hand);
-  if (cause >= ErrorCause::kServo) TakeServo(scenario.hand);
+  if (cause >= ErrorCause::kFriction) RemoveFriction(scenario.hand);
+  if (cause >= ErrorCause::kServo) RemoveServo(scenario.hand);
   hand = std::make_shared<const HandModel>(scenario.hand, TimingOf(scenario));
   return hand;
 }
@@ -128,7 +128,7 @@ CauseAngles CauseTrials::Run(const NamedController& named, int seed, const Glove
   };
   if (is_known) {
     of(ErrorCause::kNoise) = noise_free;
-    if (TakesGloveAsItIs(setup.controller)) {
+    if (UsesGloveAsItIs(setup.controller)) {
       use(WithoutErrors(config));
       of(ErrorCause::kGlove) = run();
     } else {

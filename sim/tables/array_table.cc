@@ -235,8 +235,9 @@ std::vector<ListedArray> Listed(const std::vector<NamedArray>& arrays,
 }
 
 /// The arrays of the table, upright and with their names in it.
-std::vector<NamedArray> Taken(std::vector<NamedArray> arrays,
-                              const std::vector<std::string>& left_out, std::string_view chosen) {
+std::vector<NamedArray> SelectedArrays(std::vector<NamedArray> arrays,
+                                       const std::vector<std::string>& left_out,
+                                       std::string_view chosen) {
   const std::vector<ListedArray> listed = Listed(arrays, left_out, chosen);
   std::vector<NamedArray> taken;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
@@ -399,7 +400,7 @@ std::vector<ListedArray> ListArrays(std::vector<NamedArray> arrays, std::string_
 void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen, PipeWriter& pipe) {
   const std::vector<std::string> left_out = TakeLeftOut(arrays, chosen);
   const double rate_hz = RateIn(arrays);
-  arrays = Taken(std::move(arrays), left_out, chosen);
+  arrays = SelectedArrays(std::move(arrays), left_out, chosen);
   std::vector<std::string> names;
   for (const NamedArray& array : arrays)
     std::ranges::copy(NamesOf(array), std::back_inserter(names));

@@ -47,7 +47,7 @@ CsvReader::CsvReader(std::string name, TableInput input, ProblemHandling handlin
       listener_(std::move(listener)) {
   if (const auto* const table = std::get_if<std::shared_ptr<const Table>>(&input)) {
     table_ = *table;
-    TakeTable(**table);
+    UseTable(**table);
     if (skipped_lines > 0) FailInRow(1, 1, "is no text, so it has no lines to skip");
     return;
   }
@@ -56,7 +56,7 @@ CsvReader::CsvReader(std::string name, TableInput input, ProblemHandling handlin
 }
 
 /// Rows are numbered as if the names were in line 1.
-void CsvReader::TakeTable(const Table& table) {
+void CsvReader::UseTable(const Table& table) {
   header_ = table.names();
   column_count_ = header_.size();
   row_ = 1;

@@ -98,7 +98,7 @@ class CsvReader {
                               const std::string& problem) const;
 
  private:
-  void TakeTable(const Table& table);
+  void UseTable(const Table& table);
   bool NextRowOfTable();
   bool IsCutRow() const { return table_->is_cut && rows_read_ == table_->rows; }
   double TableNumber(std::size_t column);

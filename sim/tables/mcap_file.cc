@@ -243,7 +243,7 @@ class McapFile : public MessageFile {
 
   /// Messages of channels in records of the data section or of a chunk.
   template <class Take>
-  void TakeRecord(McapOpcode opcode, std::string_view content, const Take& take) {
+  void ReadRecord(McapOpcode opcode, std::string_view content, const Take& take) {
     ByteReader bytes(content);
     if (opcode == kSchema) AddSchema(bytes);
     if (opcode == kChannel) AddChannel(bytes);
@@ -261,7 +261,7 @@ class McapFile : public MessageFile {
     while (!records.rest().empty()) {
       const auto opcode = records.Little<McapOpcode>();
       const auto length = records.Little<std::uint64_t>();
-      TakeRecord(opcode, records.Take(static_cast<std::size_t>(length)), take);
+      ReadRecord(opcode, records.Take(static_cast<std::size_t>(length)), take);
     }
   }
 
@@ -291,7 +291,7 @@ class McapFile : public MessageFile {
           has_chunks_ = true;
           WalkChunk(content, take);
         } else {
-          TakeRecord(opcode, content, take);
+          ReadRecord(opcode, content, take);
         }
       }
       at += kMcapHeadBytes + length;
@@ -368,10 +368,11 @@ class McapFile : public MessageFile {
     // From the summary up to the checksum in the footer.
     const std::string summary(file_.At(begin, file_.size() - kMcapMagic.size() - 4 - begin));
     if (crc != 0 && CrcOf(summary) != crc) FailAsDamaged("its summary does not have its checksum");
-    return TakeSummary(std::string_view(summary).substr(0, footer_at - begin)) && FindTimes();
+    return ReadSummaryRecords(std::string_view(summary).substr(0, footer_at - begin)) &&
+           FindTimes();
   }
 
-  bool TakeSummary(std::string_view summary) {
+  bool ReadSummaryRecords(std::string_view summary) {
     std::map<std::uint16_t, std::uint64_t> counts;
     std::optional<std::uint32_t> chunk_count;
     ByteReader records(summary);

@@ -37,7 +37,7 @@ class Utf16Decoder {
     const std::size_t got = source_(bytes_.data() + kept_, bytes_.size() - kept_);
     if (got == 0) return false;
     const std::size_t size = kept_ + got;
-    for (std::size_t i = 0; i + 1 < size; i += 2) Take(Unit(i));
+    for (std::size_t i = 0; i + 1 < size; i += 2) AddUnit(Unit(i));
     kept_ = size % 2;
     bytes_[0] = bytes_[size - 1];
     return true;
@@ -47,7 +47,7 @@ class Utf16Decoder {
     const auto second = static_cast<unsigned char>(bytes_[at + 1]);
     return big_endian_ ? first << 8U | second : second << 8U | first;
   }
-  void Take(std::uint32_t unit) {
+  void AddUnit(std::uint32_t unit) {
     if (is_first_) {
       is_first_ = false;
       big_endian_ = unit == 0xFFFE;  // the mark, read the wrong way round

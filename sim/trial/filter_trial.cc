@@ -79,12 +79,12 @@ class FilterSteps {
            start_counts == start_counts_;
   }
 
-  void Take(const GloveBlock& block) {
+  void ComputeSteps(const GloveBlock& block) {
     steps_ = 0;
     starts_.clear();
     for (Index tick = 0; tick < block.ticks; ++tick) {
       if (block.HasSample(tick)) {
-        guard_.Take({.counts = block.SampleAt(tick)}, [this](int channel) {
+        guard_.Step({.counts = block.SampleAt(tick)}, [this](int channel) {
           starts_.push_back({steps_, channel});
         });
         if (filter_at_ == controller::FilterAt::kSample) AddStep();
@@ -233,7 +233,7 @@ std::vector<Trace> RunFilterTrials(std::span<const TrialSetup> setups, const Glo
   for (Index tick = 0; tick < glove.true_angle_rad.rows(); tick += kBlockTicks) {
     ThrowIfStopped();
     const GloveBlock block(glove, tick);
-    for (FilterSteps& those : steps) those.Take(block);
+    for (FilterSteps& those : steps) those.ComputeSteps(block);
     for (std::size_t i = 0; i < trials.size(); ++i) {
       see(i, trials[i].Run(steps[trials[i].steps()], block.ticks, angles));
     }

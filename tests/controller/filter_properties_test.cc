@@ -91,11 +91,11 @@ TEST_P(FilterProperties, TakesMemoryWithoutAChangedBit) {
   Filtered(*untouched, before);
   const auto successor = Make();
   Filtered(*successor, GloveCounts(7, kChannels, 3));  // so that its clock stands elsewhere
-  ASSERT_TRUE(successor->TakeMemory(*filter));
+  ASSERT_TRUE(successor->SwapMemory(*filter));
   EXPECT_EQ(Filtered(*successor, after), Filtered(*untouched, after));
-  EXPECT_FALSE(successor->TakeMemory(*successor));
+  EXPECT_FALSE(successor->SwapMemory(*successor));
   const auto narrow = MakeFilter(ForOneChannel(GetParam().config, 0, kChannels), 1, kRateHz);
-  EXPECT_FALSE(narrow->TakeMemory(*successor));
+  EXPECT_FALSE(narrow->SwapMemory(*successor));
 }
 
 TEST_P(FilterProperties, StartsWhereItIsTold) {
@@ -223,7 +223,7 @@ TEST_P(FilterProperties, DoesNotAllocateInStepNorReset) {
   const long before = AllocationCount();
   for (Eigen::Index k = 0; k < input.rows(); ++k) filter->Step(RowOf(input, k), RowOf(output, k));
   filter->ResetChannel(3);
-  filter->TakeMemory(*other);
+  filter->SwapMemory(*other);
   filter->StartAt(RowOf(input, 0));
   filter->Reset();
   EXPECT_EQ(AllocationCount(), before);

@@ -193,7 +193,7 @@ TEST(FilterRegistry, TakesTheMemoryOfAllPartsOrOfNone) {
   LastOf(*untouched);
   const auto other = MakeFilter(
       {.settings = ExponentialConfig{}, .per_channel = {{"alpha", {0.1, 0.2}}}}, 2, 1000.0);
-  EXPECT_FALSE(other->TakeMemory(*filter));
+  EXPECT_FALSE(other->SwapMemory(*filter));
   EXPECT_EQ(LastOf(*filter), LastOf(*untouched));
 }
 

@@ -37,9 +37,9 @@ class OneJoint {
     const double target = target_deg * kDeg;
     loop_.Reset({&target, 1});
   }
-  void Take(double measured_deg) {
+  void SetMeasuredAngles(double measured_deg) {
     const double measured = measured_deg * kDeg;
-    loop_.Take({&measured, 1});
+    loop_.SetMeasuredAngles({&measured, 1});
   }
   double Step(double target_deg) {
     const double target = target_deg * kDeg;
@@ -69,7 +69,7 @@ TEST(JointLoop, AddsTheErrorsShareAndItsIntegral) {
   config.integral_per_s = 2.0;
   OneJoint joint(config);
   for (int event = 1; event <= 5; ++event) {
-    joint.Take(38.0);
+    joint.SetMeasuredAngles(38.0);
     EXPECT_NEAR(joint.Step(40.0), 40.0 + 1.0 + event * 2.0 * 2.0 / kEvents_hz, 2e-3);
   }
 }
@@ -81,7 +81,7 @@ TEST(JointLoop, HoldsMeasuredAnglesAgainstWhatWasWantedThen) {
   OneJoint joint(config);
   // A hand that is late by just that, on a ramp of 1 deg per event: nothing to correct.
   for (int event = 1; event <= 60; ++event) {
-    joint.Take(std::max(0.0, event - 2.5));
+    joint.SetMeasuredAngles(std::max(0.0, event - 2.5));
     if (event > 4) {
       EXPECT_NEAR(joint.Step(event), event, 1e-3);
     } else {
@@ -95,9 +95,9 @@ TEST(JointLoop, LeavesErrorsWithinItsDeadBandAndWithinHalfAMotorCount) {
   config.proportional = 1.0;
   config.dead_band_deg = 0.5;
   OneJoint joint(config);
-  joint.Take(39.51);
+  joint.SetMeasuredAngles(39.51);
   EXPECT_EQ(joint.Step(40.0), 40.0);
-  joint.Take(39.0);
+  joint.SetMeasuredAngles(39.0);
   EXPECT_NEAR(joint.Step(40.0), 40.5, 1e-3);
 
   config.dead_band_deg = 0.0;
@@ -107,11 +107,11 @@ TEST(JointLoop, LeavesErrorsWithinItsDeadBandAndWithinHalfAMotorCount) {
   const double target = 0.7;
   double measured = target - 4.9e-3;
   double corrected = 0.0;
-  loop.Take({&measured, 1});
+  loop.SetMeasuredAngles({&measured, 1});
   loop.Step({&target, 1}, {&corrected, 1});
   EXPECT_EQ(corrected, target);
   measured = target - 15e-3;
-  loop.Take({&measured, 1});
+  loop.SetMeasuredAngles({&measured, 1});
   loop.Step({&target, 1}, {&corrected, 1});
   EXPECT_NEAR(corrected, target + 10e-3, 1e-12);
 }
@@ -144,13 +144,13 @@ TEST(JointLoop, IntegralStandsStillAtTheLimitAndComesBackAtOnce) {
   config.max_correction_deg = 3.0;
   OneJoint joint(config);
   for (int event = 0; event < 500; ++event) {
-    joint.Take(30.0);
+    joint.SetMeasuredAngles(30.0);
     EXPECT_LE(joint.Step(40.0), 43.0 + 1e-9);
   }
   // 10 deg of error at 10 / s and 50 Hz: 2 deg per event.
-  joint.Take(50.0);
+  joint.SetMeasuredAngles(50.0);
   EXPECT_NEAR(joint.Step(40.0), 42.0, 2.1);
-  joint.Take(50.0);
+  joint.SetMeasuredAngles(50.0);
   EXPECT_NEAR(joint.Step(40.0), 40.0, 2.1);
 }
 
@@ -161,10 +161,10 @@ TEST(JointLoop, StaysWithinTheJointsRangeAndDoesNotWindUpThere) {
   OneJoint joint(config);
   const double most_deg = 1.5 / kDeg;
   for (int event = 0; event < 500; ++event) {
-    joint.Take(most_deg - 2.0);
+    joint.SetMeasuredAngles(most_deg - 2.0);
     EXPECT_NEAR(joint.Step(most_deg + 20.0), most_deg, 1e-9);
   }
-  joint.Take(50.0);
+  joint.SetMeasuredAngles(50.0);
   EXPECT_NEAR(joint.Step(50.0), 50.0, 0.5);
 }
 
@@ -175,15 +175,15 @@ TEST(JointLoop, UsesNoReadingThatIsOldOrNoNumberAndKeepsItsIntegral) {
   config.stale_after_ms = 40.0;  // two events
   OneJoint joint(config);
   EXPECT_EQ(joint.Step(40.0), 40.0);  // nothing measured yet
-  joint.Take(39.0);
+  joint.SetMeasuredAngles(39.0);
   EXPECT_NEAR(joint.Step(40.0), 41.2, 2e-3);
   EXPECT_NEAR(joint.Step(40.0), 41.4, 2e-3);
   EXPECT_NEAR(joint.Step(40.0), 41.6, 2e-3);
   for (int event = 0; event < 20; ++event) EXPECT_NEAR(joint.Step(40.0), 40.6, 2e-3);
-  joint.Take(kNaN);
+  joint.SetMeasuredAngles(kNaN);
   EXPECT_NEAR(joint.Step(40.0), 40.6, 2e-3);
   const double two[] = {1.0, 2.0};
-  joint.loop().Take(two);  // of another hand
+  joint.loop().SetMeasuredAngles(two);  // of another hand
   EXPECT_NEAR(joint.Step(40.0), 40.6, 2e-3);
 }
 
@@ -200,7 +200,7 @@ TEST(JointLoop, LeavesJointsThatSpringsDecideAsTheyAre) {
   const double target[] = {0.5, 0.6};
   const double measured[] = {0.1, 0.2};
   double corrected[2] = {};
-  loop.Take(measured);
+  loop.SetMeasuredAngles(measured);
   loop.Step(target, corrected);
   EXPECT_THAT(corrected, testing::ElementsAre(0.5, 0.6));
 }

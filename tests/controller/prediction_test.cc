@@ -183,7 +183,7 @@ TEST_P(PredictorProperties, TakesMemoryWithoutAChangedBit) {
   Predicted(*untouched, before);
   const auto successor = Make();
   Predicted(*successor, GloveAngles(7, kChannels, 3));  // so that its clock stands elsewhere
-  ASSERT_TRUE(successor->TakeMemory(*predictor));
+  ASSERT_TRUE(successor->SwapMemory(*predictor));
   EXPECT_EQ(Predicted(*successor, after), Predicted(*untouched, after));
 }
 
@@ -218,7 +218,7 @@ TEST_P(PredictorProperties, DoesNotAllocateInStepNorReset) {
   for (Eigen::Index k = 0; k < input.rows(); ++k)
     predictor->Step(RowOf(input, k), RowOf(output, k));
   predictor->ResetChannel(3);
-  predictor->TakeMemory(*other);
+  predictor->SwapMemory(*other);
   predictor->StartAt(RowOf(input, 0));
   predictor->Reset();
   EXPECT_EQ(AllocationCount(), before);
@@ -298,7 +298,7 @@ TEST(MotionPath, IsThePredictionSoManyEventsFartherAhead) {
     std::vector<double> now(kChannels, 7.0), of_row(kChannels);
     for (int k = 0; k < input.rows(); ++k) {
       if (k == 300) path.ResetChannel(5);
-      if (k == 600) next.TakeMemory(path, true, RowOf(input, k));
+      if (k == 600) next.SwapMemory(path, true, RowOf(input, k));
       MotionPath& stepped = k < 600 ? path : next;
       stepped.Step(RowOf(input, k), now);
       EXPECT_TRUE(std::ranges::equal(stepped.Row(0), now));
@@ -412,10 +412,10 @@ TEST(FittedPrediction, GoesOnWithOtherWeights) {
   const TestSignal input = GloveAngles(500, kChannels);
   Predicted(*before, input.topRows(300));
   Predicted(*always, input.topRows(300));
-  ASSERT_TRUE(next->TakeMemory(*before));
+  ASSERT_TRUE(next->SwapMemory(*before));
   EXPECT_EQ(Predicted(*next, input.bottomRows(200)), Predicted(*always, input.bottomRows(200)));
   config.tap_means = false;
-  EXPECT_FALSE(MakePredictor(config, kChannels, kRateHz)->TakeMemory(*always));
+  EXPECT_FALSE(MakePredictor(config, kChannels, kRateHz)->SwapMemory(*always));
 }
 
 TEST(KalmanPrediction, LooksAheadExactlyOnAParabolaWithThreeStates) {

@@ -22,8 +22,8 @@ class OneChannel {
                       const ConverterRange& converter = {})
       : guard_(config, kStart, {&converter, 1}, 1000.0, frame_number_bits) {}
 
-  double Take(double counts, std::optional<std::int64_t> number = {}) {
-    guard_.Take({.counts = {&counts, 1}, .number = number}, [](int) {});
+  double Step(double counts, std::optional<std::int64_t> number = {}) {
+    guard_.Step({.counts = {&counts, 1}, .number = number}, [](int) {});
     return guard_.trusted_counts()[0];
   }
   std::int64_t Count(Untrusted kind) const { return guard_.untrusted_samples(kind)[0]; }
@@ -39,7 +39,7 @@ std::int64_t StaleOf(const std::vector<std::int64_t>& numbers, int bits = 64) {
   OneChannel channel({}, bits);
   std::int64_t k = 0;
   for (const std::int64_t number : numbers) {
-    channel.Take(400.0 + static_cast<double>(k++ % 7), number);
+    channel.Step(400.0 + static_cast<double>(k++ % 7), number);
   }
   EXPECT_EQ(channel.Count(Untrusted::kStale), channel.total());
   return channel.total();
@@ -47,15 +47,15 @@ std::int64_t StaleOf(const std::vector<std::int64_t>& numbers, int bits = 64) {
 
 TEST(SampleGuard, HoldsTheLastGoodValueAndNamesTheReason) {
   OneChannel channel;
-  EXPECT_EQ(channel.Take(kNaN), 400.0);
-  EXPECT_EQ(channel.Take(500.0), 500.0);
-  EXPECT_EQ(channel.Take(kNaN), 500.0);
-  EXPECT_EQ(channel.Take(-kInfinity), 500.0);
-  EXPECT_EQ(channel.Take(-0.5), 500.0);
-  EXPECT_EQ(channel.Take(1e300), 500.0);
-  EXPECT_EQ(channel.Take(1023.0), 500.0);
-  EXPECT_EQ(channel.Take(0.0), 500.0);
-  EXPECT_EQ(channel.Take(510.0), 510.0);
+  EXPECT_EQ(channel.Step(kNaN), 400.0);
+  EXPECT_EQ(channel.Step(500.0), 500.0);
+  EXPECT_EQ(channel.Step(kNaN), 500.0);
+  EXPECT_EQ(channel.Step(-kInfinity), 500.0);
+  EXPECT_EQ(channel.Step(-0.5), 500.0);
+  EXPECT_EQ(channel.Step(1e300), 500.0);
+  EXPECT_EQ(channel.Step(1023.0), 500.0);
+  EXPECT_EQ(channel.Step(0.0), 500.0);
+  EXPECT_EQ(channel.Step(510.0), 510.0);
   EXPECT_EQ(channel.Count(Untrusted::kMissing), 2);
   EXPECT_EQ(channel.Count(Untrusted::kInfinite), 1);
   EXPECT_EQ(channel.Count(Untrusted::kOutOfRange), 2);
@@ -65,29 +65,29 @@ TEST(SampleGuard, HoldsTheLastGoodValueAndNamesTheReason) {
 
 TEST(SampleGuard, TrustsTheEndsOfTheConverterIfTold) {
   OneChannel channel({.full_scale = false, .jump_share = 0.0});
-  EXPECT_EQ(channel.Take(1023.0), 1023.0);
-  EXPECT_EQ(channel.Take(0.0), 0.0);
+  EXPECT_EQ(channel.Step(1023.0), 1023.0);
+  EXPECT_EQ(channel.Step(0.0), 0.0);
   EXPECT_EQ(channel.total(), 0);
 }
 
 TEST(SampleGuard, KnowsTheEndsOfASignedConverter) {
   const ConverterRange range = {.min_counts = -2048.0, .full_scale_counts = 2047.0};
   OneChannel channel({.jump_share = 0.25, .jump_confirm_ms = 10.0}, 64, range);
-  EXPECT_EQ(channel.Take(0.0), 0.0);
-  EXPECT_EQ(channel.Take(-1000.0), -1000.0);
-  EXPECT_EQ(channel.Take(23.0), 23.0) << "1023 of 4095 counts are no jump";
-  EXPECT_EQ(channel.Take(-1001.0), 23.0) << "1024 of 4095 counts are a jump";
+  EXPECT_EQ(channel.Step(0.0), 0.0);
+  EXPECT_EQ(channel.Step(-1000.0), -1000.0);
+  EXPECT_EQ(channel.Step(23.0), 23.0) << "1023 of 4095 counts are no jump";
+  EXPECT_EQ(channel.Step(-1001.0), 23.0) << "1024 of 4095 counts are a jump";
   EXPECT_EQ(channel.Count(Untrusted::kJumped), 1);
-  EXPECT_EQ(channel.Take(-2048.0), 23.0);
-  EXPECT_EQ(channel.Take(2047.0), 23.0);
+  EXPECT_EQ(channel.Step(-2048.0), 23.0);
+  EXPECT_EQ(channel.Step(2047.0), 23.0);
   EXPECT_EQ(channel.Count(Untrusted::kFullScale), 2);
-  EXPECT_EQ(channel.Take(-2049.0), 23.0);
-  EXPECT_EQ(channel.Take(2048.0), 23.0);
+  EXPECT_EQ(channel.Step(-2049.0), 23.0);
+  EXPECT_EQ(channel.Step(2048.0), 23.0);
   EXPECT_EQ(channel.Count(Untrusted::kOutOfRange), 2);
 
   OneChannel trusting({.full_scale = false, .jump_share = 0.0}, 64, range);
-  EXPECT_EQ(trusting.Take(-2048.0), -2048.0);
-  EXPECT_EQ(trusting.Take(2047.0), 2047.0);
+  EXPECT_EQ(trusting.Step(-2048.0), -2048.0);
+  EXPECT_EQ(trusting.Step(2047.0), 2047.0);
   EXPECT_EQ(trusting.total(), 0);
 }
 
@@ -100,7 +100,7 @@ TEST(SampleGuard, HasAConverterForEachChannel) {
   EXPECT_EQ(guard.trusted_counts()[1], -1.0) << "no start outside the range";
   EXPECT_EQ(guard.trusted_counts()[2], 4000.0);
   const double counts[] = {1023.0, -2048.0, 4000.0};
-  guard.Take({.counts = counts}, [](int) {});
+  guard.Step({.counts = counts}, [](int) {});
   EXPECT_EQ(guard.untrusted_samples(Untrusted::kFullScale)[0], 1);
   EXPECT_EQ(guard.untrusted_samples(Untrusted::kFullScale)[1], 1);
   EXPECT_EQ(guard.untrusted_samples()[2], 0);
@@ -108,34 +108,34 @@ TEST(SampleGuard, HasAConverterForEachChannel) {
 
 TEST(SampleGuard, CountsAStuckSensorAndLetsItRecover) {
   OneChannel channel({.stuck_after_ms = 50.0});
-  for (int k = 0; k < 80; ++k) EXPECT_EQ(channel.Take(400.0), 400.0);
+  for (int k = 0; k < 80; ++k) EXPECT_EQ(channel.Step(400.0), 400.0);
   EXPECT_EQ(channel.Count(Untrusted::kStuck), 30);
-  EXPECT_EQ(channel.Take(401.0), 401.0);
+  EXPECT_EQ(channel.Step(401.0), 401.0);
   EXPECT_EQ(channel.total(), 30);
 }
 
 TEST(SampleGuard, IgnoresASpikeButFollowsAStepAfterConfirmation) {
   OneChannel channel({.jump_share = 0.25, .jump_confirm_ms = 10.0});
-  channel.Take(300.0);
-  EXPECT_EQ(channel.Take(900.0), 300.0);  // a spike
-  EXPECT_EQ(channel.Take(301.0), 301.0);
-  for (int k = 0; k < 10; ++k) EXPECT_EQ(channel.Take(800.0 + k), 301.0) << k;
-  EXPECT_EQ(channel.Take(810.0), 810.0);
+  channel.Step(300.0);
+  EXPECT_EQ(channel.Step(900.0), 300.0);  // a spike
+  EXPECT_EQ(channel.Step(301.0), 301.0);
+  for (int k = 0; k < 10; ++k) EXPECT_EQ(channel.Step(800.0 + k), 301.0) << k;
+  EXPECT_EQ(channel.Step(810.0), 810.0);
   EXPECT_EQ(channel.Count(Untrusted::kJumped), 11);
 }
 
 TEST(SampleGuard, NeverConfirmsValuesThatJumpAllTheTime) {
   OneChannel channel;
-  channel.Take(500.0);
-  for (int k = 0; k < 1000; ++k) EXPECT_EQ(channel.Take(k % 2 == 0 ? 10.0 : 1010.0), 500.0);
+  channel.Step(500.0);
+  for (int k = 0; k < 1000; ++k) EXPECT_EQ(channel.Step(k % 2 == 0 ? 10.0 : 1010.0), 500.0);
 }
 
 TEST(SampleGuard, RefusesLateAndRepeatedFrames) {
   OneChannel channel;
-  EXPECT_EQ(channel.Take(500.0, 7), 500.0);
-  EXPECT_EQ(channel.Take(510.0, 7), 500.0);   // repeated
-  EXPECT_EQ(channel.Take(520.0, 6), 500.0);   // late
-  EXPECT_EQ(channel.Take(530.0, 12), 530.0);  // frames lost in between are not this frame's fault
+  EXPECT_EQ(channel.Step(500.0, 7), 500.0);
+  EXPECT_EQ(channel.Step(510.0, 7), 500.0);   // repeated
+  EXPECT_EQ(channel.Step(520.0, 6), 500.0);   // late
+  EXPECT_EQ(channel.Step(530.0, 12), 530.0);  // frames lost in between are not this frame's fault
   EXPECT_EQ(channel.Count(Untrusted::kStale), 2);
 }
 
@@ -180,8 +180,8 @@ TEST(SampleGuard, FollowsAGloveThatCountsAnewAlsoIfItRepeatsEachFrame) {
 
 TEST(SampleGuard, HoldsTheFirstValueAgainstWhereTheHandIs) {
   OneChannel channel;
-  EXPECT_EQ(channel.Take(900.0), 400.0);  // a glitch
-  EXPECT_EQ(channel.Take(410.0), 410.0);
+  EXPECT_EQ(channel.Step(900.0), 400.0);  // a glitch
+  EXPECT_EQ(channel.Step(410.0), 410.0);
   EXPECT_EQ(channel.Count(Untrusted::kJumped), 1);
 }
 
@@ -192,10 +192,10 @@ TEST(SampleGuard, TellsWhichChannelsBecomeGood) {
   const auto note = [&started](int channel) { started.push_back(channel); };
   const double first[] = {200.0, kNaN};
   const double second[] = {200.0, 300.0};
-  guard.Take({.counts = first}, note);
+  guard.Step({.counts = first}, note);
   EXPECT_EQ(started, std::vector<int>({0}));
-  guard.Take({.counts = second}, note);
-  guard.Take({.counts = second}, note);
+  guard.Step({.counts = second}, note);
+  guard.Step({.counts = second}, note);
   EXPECT_EQ(started, std::vector<int>({0, 1}));
 }
 
@@ -203,10 +203,10 @@ TEST(SampleGuard, HandsOnWhatItHasSeenAndStartsOtherChannelsAnew) {
   const double start[] = {400.0, 400.0};
   const double counts[] = {500.0, kNaN};
   SampleGuard before({}, start, kTenBits, 1000.0);
-  before.Take({.counts = counts}, [](int) {});
+  before.Step({.counts = counts}, [](int) {});
   SampleGuard after({}, start, kTenBits, 1000.0);
   const double other_start[] = {300.0, 700.0};
-  after.TakeMemory(before, other_start);
+  after.SwapMemory(before, other_start);
   EXPECT_EQ(after.trusted_counts()[0], 500.0);
   EXPECT_EQ(after.trusted_counts()[1], 700.0);
 }

@@ -36,8 +36,8 @@ TEST(BinaryFrames, AreReadAsTheyWereWritten) {
   const std::vector<double> values = {512.25, std::numeric_limits<double>::quiet_NaN(), -1e300,
                                       std::numeric_limits<double>::infinity()};
   Decoded made = Binary();
-  made.Take(BinaryNames({"a", "b", "c", "d"}))
-      .Take(BinaryFrame({.number = -5, .time_ns = 1'700'000'000'123'456'789, .values = values}));
+  made.Decode(BinaryNames({"a", "b", "c", "d"}))
+      .Decode(BinaryFrame({.number = -5, .time_ns = 1'700'000'000'123'456'789, .values = values}));
   ASSERT_EQ(made.frames.size(), 1u);
   EXPECT_EQ(made.decoder->format(), FrameFormat::kBinary);
   EXPECT_THAT(made.decoder->columns().names, ElementsAre("a", "b", "c", "d"));
@@ -53,7 +53,7 @@ TEST(BinaryFrames, DoNotDependOnThePiecesOfTheStream) {
   const std::string bytes = "boot\n" + FrameNumber(1) + "noise" + FrameNumber(2) + FrameNumber(3);
   for (std::size_t size = 1; size <= bytes.size(); ++size) {
     Decoded made = Binary();
-    for (std::size_t at = 0; at < bytes.size(); at += size) made.Take(bytes.substr(at, size));
+    for (std::size_t at = 0; at < bytes.size(); at += size) made.Decode(bytes.substr(at, size));
     ASSERT_EQ(made.frames.size(), 3u) << size;
     EXPECT_EQ(made.frames[2].number, 3);
     EXPECT_EQ(made.decoder->counts().garbage, 2u) << size;
@@ -71,7 +71,7 @@ TEST(BinaryFrames, AreRightOrLeftOut) {
       else
         bad[at] = static_cast<char>(bad[at] ^ 0x10);
       Decoded made = Binary();
-      made.Take(FrameNumber(1) + bad + FrameNumber(3) + FrameNumber(4) + std::string(9000, 'x'));
+      made.Decode(FrameNumber(1) + bad + FrameNumber(3) + FrameNumber(4) + std::string(9000, 'x'));
       std::vector<std::int64_t> numbers;
       for (const KeptFrame& frame : made.frames) numbers.push_back(frame.number.value());
       EXPECT_THAT(numbers, ElementsAre(1, 3, 4)) << at << is_lost;
@@ -94,8 +94,8 @@ TEST(BinaryFrames, OfPacketsDoNotGoOnInTheNextOne) {
 TEST(BinaryFrames, OfAnotherWidthAreLeftOut) {
   const std::vector<double> other = {1.0, 2.0, 3.0};
   Decoded made = Binary();
-  made.Take(FrameNumber(1) + BinaryFrame({.number = 2, .values = other}) +
-            BinaryNames({"a", "b", "c"}) + FrameNumber(3));
+  made.Decode(FrameNumber(1) + BinaryFrame({.number = 2, .values = other}) +
+              BinaryNames({"a", "b", "c"}) + FrameNumber(3));
   EXPECT_EQ(made.frames.size(), 2u);
   EXPECT_EQ(made.decoder->counts().garbage, 2u);
   EXPECT_TRUE(made.decoder->columns().names.empty());

@@ -24,7 +24,7 @@ TEST(CybergloveFrames, AreThoseOfEachKindOfGlove) {
     for (const bool has_switches : {false, true}) {
       Decoded made(FrameFormat::kCyberglove, ByteFlow::kCutStream);
       for (const int first : {1, 71, 83, 255}) {  // `G` and `S` are values, too
-        made.Take(GloveFrame('G', sensors, first, has_switches));
+        made.Decode(GloveFrame('G', sensors, first, has_switches));
       }
       ASSERT_EQ(made.frames.size(), 3u) << sensors << has_switches;
       ASSERT_EQ(std::ssize(made.frames[0].values), sensors);
@@ -42,7 +42,7 @@ TEST(CybergloveFrames, AreLeftOutIfABytesIsLost) {
     std::string bad = good;
     bad.erase(lost, 1);
     Decoded made(FrameFormat::kCybergloveStream, ByteFlow::kCutStream);
-    made.Take("e?" + good).Take(good).Take(good).Take(bad).Take(good).Take(good);
+    made.Decode("e?" + good).Decode(good).Decode(good).Decode(bad).Decode(good).Decode(good);
     EXPECT_GE(made.frames.size(), 2u) << lost;
     for (const KeptFrame& frame : made.frames) EXPECT_EQ(frame.values[0], 100.0) << lost;
     EXPECT_GE(made.decoder->counts().half_frames + made.decoder->counts().garbage, 2u);
@@ -54,7 +54,7 @@ TEST(CybergloveFrames, AreAskedForOneByOne) {
   EXPECT_EQ(made.decoder->Request(0), "G");
   EXPECT_EQ(made.decoder->Request(50'000'000), "") << "the answer is on its way";
   EXPECT_EQ(made.decoder->Request(100'000'000), "G") << "it was lost";
-  made.Take(GloveFrame('G', 18, 9));
+  made.Decode(GloveFrame('G', 18, 9));
   EXPECT_EQ(made.decoder->Request(100'000'001), "G");
   EXPECT_EQ(made.decoder->Farewell(), "");
 }
@@ -63,7 +63,7 @@ TEST(CybergloveFrames, OfAStreamAreAskedForOnce) {
   Decoded made(FrameFormat::kCybergloveStream, ByteFlow::kCutStream);
   EXPECT_EQ(made.decoder->Request(0), "S");
   made.now_ns = 900'000'000;
-  made.Take(GloveFrame('S', 18, 9));
+  made.Decode(GloveFrame('S', 18, 9));
   EXPECT_EQ(made.decoder->Request(1'500'000'000), "");
   EXPECT_EQ(made.decoder->Request(2'000'000'000), "S") << "silent for a second";
   EXPECT_EQ(made.decoder->Farewell(), "\x03");

@@ -35,12 +35,12 @@ struct Decoded {
       : decoder(MakeFrameDecoder(format, flow, osc_address)) {}
 
   /// Bytes of a stream, which arrive `step_ns` after those before.
-  Decoded& Take(std::string_view bytes) {
-    decoder->Take(bytes, now_ns += step_ns, Into(frames));
+  Decoded& Decode(std::string_view bytes) {
+    decoder->Decode(bytes, now_ns += step_ns, Into(frames));
     return *this;
   }
   Decoded& Packet(std::string_view bytes) {
-    Take(bytes);
+    Decode(bytes);
     decoder->EndPacket(now_ns, Into(frames));
     return *this;
   }

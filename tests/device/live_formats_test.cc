@@ -35,7 +35,7 @@ std::string BytesOf(const std::string& hexadecimal) {
 /// With a line end in front: a serial line that was opened within a frame.
 Decoded FromSerialLine(const std::string& bytes, FrameFormat format = FrameFormat::kDetect) {
   Decoded made(format, ByteFlow::kCutStream);
-  made.Take("\n").Take(bytes);
+  made.Decode("\n").Decode(bytes);
   return made;
 }
 
@@ -81,7 +81,7 @@ TEST(LiveFormats, ExampleOfOscIsRead) {
 TEST(LiveFormats, ExampleOfCybergloveIsRead) {
   const std::string frame = BytesOf(ExampleOf("cyberglove"));
   Decoded made(FrameFormat::kCyberglove, ByteFlow::kCutStream);
-  made.Take(frame).Take(frame);
+  made.Decode(frame).Decode(frame);
   ASSERT_EQ(made.frames.size(), 1u);
   EXPECT_EQ(made.frames[0].values.size(), 18u);
   EXPECT_EQ(made.frames[0].values[17], 145.0);

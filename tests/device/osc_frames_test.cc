@@ -131,7 +131,7 @@ TEST(OscFrames, HaveTheirColumnsFromTheFirstOn) {
   const auto decoder = MakeFrameDecoder(FrameFormat::kDetect, ByteFlow::kPackets);
   int frames = 0;
   for (std::int64_t i = 0; i < 30; ++i) {
-    decoder->Take(OscMessageBytes("/flex", {1.0, 2.0}), 10'000'000 * i, {});
+    decoder->Decode(OscMessageBytes("/flex", {1.0, 2.0}), 10'000'000 * i, {});
     decoder->EndPacket(10'000'000 * i, [&](const DeviceFrame& frame) {
       ++frames;
       EXPECT_EQ(decoder->columns().count, frame.values.size());

@@ -21,7 +21,7 @@ Decoded Stream(FrameFormat format = FrameFormat::kDetect) {
 
 TEST(TextFrames, OfCsvAreRowsBelowNames) {
   Decoded made = Stream();
-  made.Take("frame,t_ms,flex1,flex2\n7,1000.5,512,300\n").Take("8,1010.5,513,\n");
+  made.Decode("frame,t_ms,flex1,flex2\n7,1000.5,512,300\n").Decode("8,1010.5,513,\n");
   ASSERT_EQ(made.frames.size(), 2u);
   EXPECT_EQ(made.decoder->format(), FrameFormat::kCsv);
   EXPECT_THAT(made.decoder->columns().names, ElementsAre("frame", "t_ms", "flex1", "flex2"));
@@ -38,7 +38,7 @@ TEST(TextFrames, DoNotDependOnThePiecesOfTheStream) {
   const std::string text = "a,b\r\n1,2\r\n\r\n# note\r\n3,4\r\n5,x\r\n6,7\r\n";
   for (std::size_t size = 1; size <= text.size(); ++size) {
     Decoded made = Stream();
-    for (std::size_t at = 0; at < text.size(); at += size) made.Take(text.substr(at, size));
+    for (std::size_t at = 0; at < text.size(); at += size) made.Decode(text.substr(at, size));
     EXPECT_EQ(made.Values(), (Rows{{1, 2}, {3, 4}, {6, 7}})) << size;
     EXPECT_EQ(made.decoder->counts().garbage, 1u) << size;
   }
@@ -46,9 +46,9 @@ TEST(TextFrames, DoNotDependOnThePiecesOfTheStream) {
 
 TEST(TextFrames, PassOverBootMessagesAndACutLine) {
   Decoded made = Serial();
-  made.Take(
+  made.Decode(
           "45,678\nets Jun  8 2016 00:22:57\nrst:0x1 (POWERON_RESET),boot:0x13\nload:0x3f,len:4\n")
-      .Take("load:0x40,len:12\nMPU ready\n1,2,3\n4,5,6\n7,8\n9,10,11,12\n13,14,15\n");
+      .Decode("load:0x40,len:12\nMPU ready\n1,2,3\n4,5,6\n7,8\n9,10,11,12\n13,14,15\n");
   EXPECT_EQ(made.Values(), (Rows{{1, 2, 3}, {4, 5, 6}, {13, 14, 15}}));
   EXPECT_EQ(made.decoder->counts().half_frames, 1u);
   EXPECT_EQ(made.decoder->counts().garbage, 6u);
@@ -57,15 +57,15 @@ TEST(TextFrames, PassOverBootMessagesAndACutLine) {
 
 /// What remains of a first line may look like a line: its first value is none.
 TEST(TextFrames, TakeNoValueOfTheFirstLineOfASerialLine) {
-  EXPECT_EQ(Serial().Take("2,300\n512,300\n511,301\n").Values(), (Rows{{512, 300}, {511, 301}}));
-  EXPECT_EQ(Stream().Take("512,300\n511,301\n").Values(), (Rows{{512, 300}, {511, 301}}));
+  EXPECT_EQ(Serial().Decode("2,300\n512,300\n511,301\n").Values(), (Rows{{512, 300}, {511, 301}}));
+  EXPECT_EQ(Stream().Decode("512,300\n511,301\n").Values(), (Rows{{512, 300}, {511, 301}}));
 }
 
 TEST(TextFrames, AreNeverMadeOfPartsOfTwo) {
   Decoded made = Serial();
-  made.Take("\n1,2\n3,4\n5,");
+  made.Decode("\n1,2\n3,4\n5,");
   made.decoder->Restart();  // the device went away and came back
-  made.Take("6\n7,8\n");
+  made.Decode("6\n7,8\n");
   EXPECT_EQ(made.Values(), (Rows{{1, 2}, {3, 4}, {7, 8}}));
   EXPECT_EQ(made.decoder->counts().half_frames, 1u);
   Decoded packets(FrameFormat::kCsv, ByteFlow::kPackets);
@@ -87,28 +87,28 @@ TEST(TextFrames, LearnNamesThatAreSentLater) {
 }
 
 TEST(TextFrames, ReadDecimalCommasTabsAndOneColumn) {
-  EXPECT_EQ(Stream().Take("a;b\n1,5;2\n").Values(), (Rows{{1.5, 2}}));
-  EXPECT_EQ(Stream().Take("1\t2\n3\t4\n").Values(), (Rows{{1, 2}, {3, 4}}));
-  EXPECT_EQ(Stream().Take("flex\n512\n513\n").Values(), (Rows{{512}, {513}}));
-  EXPECT_THAT(Serial().Take("\nready\n512\n513\n").decoder->columns().names, IsEmpty());
+  EXPECT_EQ(Stream().Decode("a;b\n1,5;2\n").Values(), (Rows{{1.5, 2}}));
+  EXPECT_EQ(Stream().Decode("1\t2\n3\t4\n").Values(), (Rows{{1, 2}, {3, 4}}));
+  EXPECT_EQ(Stream().Decode("flex\n512\n513\n").Values(), (Rows{{512}, {513}}));
+  EXPECT_THAT(Serial().Decode("\nready\n512\n513\n").decoder->columns().names, IsEmpty());
 }
 
 /// A last value may be missing in the first row, and a separator may end each line.
 TEST(TextFrames, HaveALastColumnThatIsMissing) {
   Decoded made = Stream();
-  made.Take("a,b\n1,\n2,\n3,4\n");
+  made.Decode("a,b\n1,\n2,\n3,4\n");
   ASSERT_EQ(made.frames.size(), 3u);
   EXPECT_THAT(made.decoder->columns().names, ElementsAre("a", "b"));
   EXPECT_TRUE(std::isnan(made.frames[0].values[1]));
   EXPECT_EQ(made.frames[2].values, (std::vector{3.0, 4.0}));
-  EXPECT_EQ(Stream().Take("a,b,\n1,2,\n3,4,\n").Values(), (Rows{{1, 2}, {3, 4}}));
-  EXPECT_EQ(Stream().Take("a,b\n1,2,\n3,4,\n").Values(), (Rows{{1, 2}, {3, 4}}));
+  EXPECT_EQ(Stream().Decode("a,b,\n1,2,\n3,4,\n").Values(), (Rows{{1, 2}, {3, 4}}));
+  EXPECT_EQ(Stream().Decode("a,b\n1,2,\n3,4,\n").Values(), (Rows{{1, 2}, {3, 4}}));
 }
 
 TEST(TextFrames, AreLabelsOfASerialPlotter) {
   Decoded made = Serial();
-  made.Take("ex1:5 flex2:3\nflex1:512 flex2:300\nflex1:511 flex2:301\nflex1:510 flex2:302\n")
-      .Take("flex1:5\nflex1:509 flex2:303\n");
+  made.Decode("ex1:5 flex2:3\nflex1:512 flex2:300\nflex1:511 flex2:301\nflex1:510 flex2:302\n")
+      .Decode("flex1:5\nflex1:509 flex2:303\n");
   EXPECT_EQ(made.decoder->format(), FrameFormat::kLabels);
   EXPECT_THAT(made.decoder->columns().names, ElementsAre("flex1", "flex2"));
   EXPECT_EQ(made.Values(), (Rows{{512, 300}, {511, 301}, {510, 302}, {509, 303}}));
@@ -118,12 +118,12 @@ TEST(TextFrames, AreLabelsOfASerialPlotter) {
 /// Source: lucidgloves, AlphaEncoding.cpp: fingers, joystick, trigger, flags, splay.
 TEST(TextFrames, AreTheAlphaEncodingOfLucidgloves) {
   Decoded made = Serial();
-  made.Take("B12C3D4E5F6G7P8\n");
+  made.Decode("B12C3D4E5F6G7P8\n");
   for (int i = 0; i < 3; ++i) {
-    made.Take(fmt::format("A{}B200C300D400E500F2048G2047P5HJ(AB)10(BB)20\n", 100 + i));
+    made.Decode(fmt::format("A{}B200C300D400E500F2048G2047P5HJ(AB)10(BB)20\n", 100 + i));
   }
-  made.Take("A9B20");
-  made.Take("0C300D4\n").Take("A104B200C300D400E500F2048G2047P5\n");
+  made.Decode("A9B20");
+  made.Decode("0C300D4\n").Decode("A104B200C300D400E500F2048G2047P5\n");
   EXPECT_EQ(made.decoder->format(), FrameFormat::kAlpha);
   ASSERT_EQ(made.frames.size(), 4u);
   EXPECT_EQ(made.frames[0].values, (std::vector<double>{100, 200, 300, 400, 500, 2048, 2047, 5}));
@@ -149,12 +149,12 @@ TEST(TextFrames, AreJsonByNames) {
   EXPECT_EQ(made.frames[2].sender_time_ns, 520'000'000);
   EXPECT_EQ(made.decoder->counts().half_frames, 1u);
   EXPECT_EQ(made.decoder->counts().garbage, 2u);
-  EXPECT_EQ(Stream().Take("[1,2]\n[3,4]\n").Values(), (Rows{{1, 2}, {3, 4}}));
+  EXPECT_EQ(Stream().Decode("[1,2]\n[3,4]\n").Values(), (Rows{{1, 2}, {3, 4}}));
 }
 
 TEST(TextFrames, AreJointStateOfRos2TopicEcho) {
   Decoded made = Stream();
-  made.Take(
+  made.Decode(
       "1700000000,5,base,index,thumb,0.5,0.25\n1700000000,10000005,base,index,thumb,0.6,0.2\n");
   ASSERT_EQ(made.frames.size(), 2u);
   EXPECT_THAT(made.decoder->columns().names,
@@ -168,9 +168,9 @@ TEST(TextFrames, FindTheUnitOfATimeWithoutUnit) {
   for (const double scale_s : {1.0, 1e-3, 1e-6}) {
     Decoded made = Stream();
     made.step_ns = 10'000'000;
-    made.Take("t,flex\n");
+    made.Decode("t,flex\n");
     for (int i = 0; i < 100; ++i) {
-      made.Take(fmt::format("{},{}\n", 5.0 + 0.01 * i / scale_s, 500 + i));
+      made.Decode(fmt::format("{},{}\n", 5.0 + 0.01 * i / scale_s, 500 + i));
     }
     ASSERT_EQ(made.frames.size(), 100u);
     EXPECT_FALSE(made.frames[10].sender_time_ns) << "a guess too early";
@@ -179,28 +179,28 @@ TEST(TextFrames, FindTheUnitOfATimeWithoutUnit) {
                 1e3);
   }
   Decoded file = Stream();  // not in real time
-  file.Take("t,flex\n");
-  for (int i = 0; i < 1000; ++i) file.Take(fmt::format("{},{}\n", 0.02 * i, i));
+  file.Decode("t,flex\n");
+  for (int i = 0; i < 1000; ++i) file.Decode(fmt::format("{},{}\n", 0.02 * i, i));
   EXPECT_FALSE(file.frames.back().sender_time_ns);
 }
 
 TEST(TextFrames, KeepNothingOfALineWithoutEnd) {
   Decoded made = Stream();
-  made.Take("1,2\n3,4\n");
-  for (int i = 0; i < 100; ++i) made.Take(std::string(4096, '7'));
-  made.Take("\n5,6\n");
+  made.Decode("1,2\n3,4\n");
+  for (int i = 0; i < 100; ++i) made.Decode(std::string(4096, '7'));
+  made.Decode("\n5,6\n");
   EXPECT_EQ(made.Values(), (Rows{{1, 2}, {3, 4}, {5, 6}}));
   EXPECT_EQ(made.decoder->counts().garbage, 1u);
 }
 
 TEST(TextFrames, OfAChosenFormatAreNotOfAnother) {
-  EXPECT_THAT(Stream(FrameFormat::kLabels).Take("1,2\n3,4\n5,6\n7,8\n").Values(), IsEmpty());
-  EXPECT_THAT(Stream(FrameFormat::kCsv).Take("[1,2]\n[3,4]\n[5,6]\n").Values(), IsEmpty());
+  EXPECT_THAT(Stream(FrameFormat::kLabels).Decode("1,2\n3,4\n5,6\n7,8\n").Values(), IsEmpty());
+  EXPECT_THAT(Stream(FrameFormat::kCsv).Decode("[1,2]\n[3,4]\n[5,6]\n").Values(), IsEmpty());
 }
 
 TEST(TextFrames, HaveNoInfiniteValue) {
   Decoded made = Stream();
-  made.Take("1,2\n3,inf\n4,1e999\n");
+  made.Decode("1,2\n3,inf\n4,1e999\n");
   ASSERT_EQ(made.frames.size(), 3u);
   EXPECT_TRUE(std::isnan(made.frames[1].values[1]));
   EXPECT_TRUE(std::isnan(made.frames[2].values[1]));

@@ -45,7 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const std::string& name : names) {
       if (!TextProblem(name).empty()) std::abort();
     }
-    arrivals.Take(frame);
+    arrivals.Add(frame);
     try {
       if (channels.Counts(decoder->columns(), frame.values).size() != 2) std::abort();
     } catch (const UserError&) {  // columns of no glove
@@ -59,7 +59,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       while (!packet.empty()) {
         const std::string_view taken = packet.substr(0, piece);
         packet.remove_prefix(taken.size());
-        decoder->Take(taken, now_ns += 100'000'000, receive);
+        decoder->Decode(taken, now_ns += 100'000'000, receive);
         decoder->Request(now_ns);
       }
       if (flow == ByteFlow::kPackets) {

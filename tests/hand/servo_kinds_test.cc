@@ -16,7 +16,7 @@ const controller::Timing kTiming;  // ticks of 1 ms
 std::vector<double> Held(ServoInput& input, int told, int ticks) {
   std::vector<double> held;
   for (int tick = 0; tick < ticks; ++tick) {
-    held.push_back(input.Take(tick >= told ? 1.0 : 0.0, tick >= told));
+    held.push_back(input.Step(tick >= told ? 1.0 : 0.0, tick >= told));
   }
   return held;
 }
@@ -46,7 +46,7 @@ TEST(ServoInput, ACommandThatIsReplacedWithinItsFrameIsNeverSeen) {
   ServoInput input({.frame_ms = 4.0}, kTiming, 0);
   const std::vector<double> told = {1, 2, 3, 4, 5, 6};
   std::vector<double> held;
-  for (double command : told) held.push_back(input.Take(command, true));
+  for (double command : told) held.push_back(input.Step(command, true));
   EXPECT_THAT(held, ElementsAre(1, 1, 1, 1, 5, 5));
 }
 

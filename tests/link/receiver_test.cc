@@ -55,7 +55,7 @@ Used UsedOver(const TransportConfig& link, const ReceiverConfig& config, int tic
   for (std::int64_t tick = 0; tick < ticks; ++tick) {
     const auto value = static_cast<double>(tick);
     if (tick % period == 0) transport.Send(tick, tick, {&value, 1});
-    transport.Deliver(tick, [&](const LinkFrame& frame) { receiver.Take(tick, frame); });
+    transport.Deliver(tick, [&](const LinkFrame& frame) { receiver.Accept(tick, frame); });
     if (receiver.Step(tick) == Found::kNothing) continue;
     used.ages.push_back(static_cast<double>(tick - receiver.origin_tick()));
     used.values.push_back(receiver.values()[0]);
@@ -76,15 +76,15 @@ TransportConfig Jittering() {
 TEST(Receiver, NewestIgnoresOldAndRepeatedFrames) {
   Receiver receiver({}, 1, 1.0, kTicks);
   EXPECT_EQ(receiver.Step(0), Found::kNothing);
-  receiver.Take(5, *Frame(2, 2));
-  receiver.Take(5, *Frame(1, 1));
+  receiver.Accept(5, *Frame(2, 2));
+  receiver.Accept(5, *Frame(1, 1));
   EXPECT_EQ(receiver.Step(5), Found::kNew);
   EXPECT_EQ(receiver.values()[0], 2.0);
-  receiver.Take(6, *Frame(1, 1));
-  receiver.Take(6, *Frame(2, 2));
+  receiver.Accept(6, *Frame(1, 1));
+  receiver.Accept(6, *Frame(2, 2));
   EXPECT_EQ(receiver.Step(6), Found::kHeld);
   EXPECT_EQ(receiver.values()[0], 2.0);
-  receiver.Take(7, *Frame(3, 3));
+  receiver.Accept(7, *Frame(3, 3));
   EXPECT_EQ(receiver.Step(7), Found::kNew);
   EXPECT_EQ(receiver.origin_tick(), 3);
 }
@@ -94,9 +94,9 @@ TEST(Receiver, QueueReplaysAGapAndStaysLate) {
   std::vector<double> values;
   for (std::int64_t tick = 0; tick < 100; ++tick) {
     // Nothing arrives from 20 to 39; then all of it at once.
-    if (tick < 20 || tick > 40) receiver.Take(tick, *Frame(tick, tick));
+    if (tick < 20 || tick > 40) receiver.Accept(tick, *Frame(tick, tick));
     for (std::int64_t late = 20; tick == 40 && late <= 40; ++late) {
-      receiver.Take(tick, *Frame(late, late));
+      receiver.Accept(tick, *Frame(late, late));
     }
     receiver.Step(tick);
     values.push_back(receiver.values()[0]);
@@ -167,7 +167,7 @@ TEST(Receiver, PredictionOfALineIsExactUntilItsLongestTime) {
   config.gap.settings = PredictGap{.slope_ms = 10.0, .longest_ms = 30.0};
   Receiver receiver(config, 1, 1.0, kTicks);
   for (std::int64_t tick = 0; tick < 50; ++tick) {
-    receiver.Take(tick, *Frame(tick, tick));
+    receiver.Accept(tick, *Frame(tick, tick));
     ASSERT_EQ(receiver.Step(tick), Found::kNew);
     ASSERT_EQ(receiver.values()[0], static_cast<double>(tick));
   }
@@ -182,7 +182,7 @@ TEST(Receiver, BetweenTwoFramesOfASlowSenderNothingIsPredicted) {
   config.gap.settings = PredictGap{};
   Receiver receiver(config, 1, 20.0, kTicks);
   for (std::int64_t tick = 0; tick < 100; ++tick) {
-    if (tick % 20 == 0) receiver.Take(tick, *Frame(tick / 20, tick));
+    if (tick % 20 == 0) receiver.Accept(tick, *Frame(tick / 20, tick));
     EXPECT_EQ(receiver.Step(tick), tick % 20 == 0 ? Found::kNew : Found::kHeld);
   }
   EXPECT_EQ(receiver.Step(100), Found::kPredicted);
@@ -201,7 +201,7 @@ TEST(Receiver, PredictionFollowsASineCloserThanHoldAcrossBursts) {
     for (std::int64_t tick = 0; tick < 20'000; ++tick) {
       const double truth = std::sin(2.0 * std::numbers::pi * 1e-3 * static_cast<double>(tick));
       transport.Send(tick, tick, {&truth, 1});
-      transport.Deliver(tick, [&](const LinkFrame& frame) { receiver.Take(tick, frame); });
+      transport.Deliver(tick, [&](const LinkFrame& frame) { receiver.Accept(tick, frame); });
       receiver.Step(tick);
       squares += (receiver.values()[0] - truth) * (receiver.values()[0] - truth);
     }

@@ -19,8 +19,7 @@ std::vector<std::int64_t> Numbers(FrameArrivals& arrivals, const std::vector<std
     const std::array values = {static_cast<double>(first_ms) + static_cast<double>(i)};
     const std::int64_t arrival_ms = first_ms + static_cast<std::int64_t>(i);
     given.push_back(
-        arrivals
-            .Take({.arrival_ns = 1'000'000 * arrival_ms, .number = numbers[i], .values = values})
+        arrivals.Add({.arrival_ns = 1'000'000 * arrival_ms, .number = numbers[i], .values = values})
             .number);
   }
   return given;
@@ -74,9 +73,9 @@ TEST(FrameArrivals, MeasuresTheDelayAboveTheFastestFrameWithoutACommonClock) {
   FrameArrivals arrivals;
   const std::array values = {1.0};
   for (const std::int64_t delay_ms : {5, 3, 9}) {
-    arrivals.Take({.arrival_ns = 1'000'000 * (1000 + delay_ms),
-                   .sender_time_ns = -77'000'000'000,
-                   .values = values});
+    arrivals.Add({.arrival_ns = 1'000'000 * (1000 + delay_ms),
+                  .sender_time_ns = -77'000'000'000,
+                  .values = values});
   }
   const ArrivalFacts facts = arrivals.Facts();
   EXPECT_NEAR(facts.relative_delay.max_us(), 6000.0, 1.0);

@@ -599,7 +599,7 @@ TEST_F(Files, OfAGloveInCountsHaveTheCalibrationOfTheirMap) {
                                                        rows),
                                       .use = RecordingUse::kMeasured};
     GloveConfig config = Played(recording);
-    TakeCalibrationOfMap(config);
+    ApplyCalibrationOfMap(config);
     return config;
   };
   const GloveConfig points =

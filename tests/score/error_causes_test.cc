@@ -45,7 +45,7 @@ class ErrorCauses : public testing::Test {
   std::optional<ErrorByCauses> Parts(const CountedTicks& counted = kAll) const {
     return PartsOfError(reference_, hands_.front(), without_, counted);
   }
-  void TakeAll() {
+  void UseAllHands() {
     for (std::size_t i = 0; i < kCauseTrialCount; ++i) without_[i] = hands_[i + 1];
   }
   /// mean(part error), the definition.
@@ -64,7 +64,7 @@ class ErrorCauses : public testing::Test {
 };
 
 TEST_F(ErrorCauses, AreTheirSignalsTimesTheErrorAndSumToTheWhole) {
-  TakeAll();
+  UseAllHands();
   const auto parts = Parts();
   ASSERT_TRUE(parts);
   std::vector<double> error(kTicks, 0.0);
@@ -76,7 +76,7 @@ TEST_F(ErrorCauses, AreTheirSignalsTimesTheErrorAndSumToTheWhole) {
 }
 
 TEST_F(ErrorCauses, AreOfTheTicksThatCount) {
-  TakeAll();
+  UseAllHands();
   const CountedTicks some = {{100, 700}, {2000, 4100}};
   const auto parts = Parts(some);
   ASSERT_TRUE(parts);
@@ -88,7 +88,7 @@ TEST_F(ErrorCauses, AreOfTheTicksThatCount) {
 
 /// What cannot be taken away is in the cause behind it, and has no number.
 TEST_F(ErrorCauses, LeaveWhatCannotBeTakenAwayToTheNext) {
-  TakeAll();
+  UseAllHands();
   without_[0] = without_[1] = {};
   const auto parts = Parts();
   ASSERT_TRUE(parts);
@@ -99,7 +99,7 @@ TEST_F(ErrorCauses, LeaveWhatCannotBeTakenAwayToTheNext) {
 }
 
 TEST_F(ErrorCauses, AreUnknownWithoutTheLastTrial) {
-  TakeAll();
+  UseAllHands();
   without_.back() = {};
   EXPECT_FALSE(Parts());
 }
@@ -108,7 +108,7 @@ TEST_F(ErrorCauses, AreBelowZeroWhereTheyHelp) {
   for (auto& hand : hands_) hand = reference_;
   hands_[0] = Sum(reference_, std::vector<double>(kTicks, 1.0));
   hands_[3] = Sum(reference_, std::vector<double>(kTicks, 4.0));
-  TakeAll();
+  UseAllHands();
   const auto parts = Parts();
   ASSERT_TRUE(parts);
   EXPECT_NEAR((*parts)[0], 1.0, 1e-12);   // 1 - 0

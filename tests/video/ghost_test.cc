@@ -24,7 +24,7 @@ int Covered(const Image& image) {
 
 TEST(Ghost, IsTheWearersShapeInOneColour) {
   Ghost ghost(Rgb(0xff0000), 1);
-  ghost.Take(Square(10));
+  ghost.SetHand(Square(10));
   EXPECT_EQ(Covered(ghost.shape()), 100);
   const std::uint32_t inside = ghost.shape().Row(10)[15];
   EXPECT_GT(inside >> 24, 60u);
@@ -35,7 +35,7 @@ TEST(Ghost, IsTheWearersShapeInOneColour) {
 
 TEST(Ghost, ItsOutlineIsSeenOverAHandThatIsElsewhere) {
   Ghost ghost(Rgb(0xff0000), 1);
-  ghost.Take(Square(10));
+  ghost.SetHand(Square(10));
   EXPECT_EQ(Covered(ghost.OutlineOver(Image(40, 20))), 36);  // its outermost pixels
   EXPECT_EQ(Covered(ghost.OutlineOver(Square(10))), 0);      // it follows
   EXPECT_EQ(Covered(ghost.OutlineOver(Square(11))), 0);      // nearly

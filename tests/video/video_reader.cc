@@ -39,7 +39,7 @@ struct Decoder {
     avformat_close_input(&container);
   }
 
-  void Take(VideoContent& content, const AVStream& stream) {
+  void ReadFrames(VideoContent& content, const AVStream& stream) {
     while (avcodec_receive_frame(codec, frame) >= 0) {
       const double time_s = frame->pts * av_q2d(stream.time_base);
       if (std::abs(time_s * content.frames_per_s - content.frames) > 1e-6) {
@@ -89,10 +89,10 @@ VideoContent ReadVideo(const std::filesystem::path& file) {
     }
     Check(avcodec_send_packet(decoder.codec, decoder.packet), "decode");
     av_packet_unref(decoder.packet);
-    decoder.Take(content, stream);
+    decoder.ReadFrames(content, stream);
   }
   Check(avcodec_send_packet(decoder.codec, nullptr), "decode");
-  decoder.Take(content, stream);
+  decoder.ReadFrames(content, stream);
   return content;
 }
 

@@ -198,7 +198,7 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
 namespace {
 
 /// The wearer's true angles from a recording of their own, at the moments of the stretch.
-void TakeReference(const RecordedMotionConfig& config, const RecordingFormat& recording_format,
+void LoadReference(const RecordedMotionConfig& config, const RecordingFormat& recording_format,
                    const Recording& recording, const PlayedStretch& stretch, Motion& motion) {
   constexpr double kSearched_s = 10.0;
   RecordingFormat format = recording_format;
@@ -268,7 +268,7 @@ Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& conte
   if (glove_has_glitches) SwapGlitches(*loaded);
   LeaveOutGaps(motion.masked, motion.measured_rad);
   if (!config.reference.empty()) {
-    TakeReference(config, format, recording, stretch, motion);
+    LoadReference(config, format, recording, stretch, motion);
   } else {
     std::vector<MaskedStretch> unknown;
     motion.angle_rad = AtSamplingRate(config, recording, stretch, Resampling::kCubic, unknown);

@@ -37,7 +37,7 @@ std::optional<FrameFormat> FormatNamed(std::string_view word) {
 }
 
 /// Takes the words behind commas.
-std::string_view TakeWords(std::string_view text, DeviceAddress& address) {
+std::string_view ParseWords(std::string_view text, DeviceAddress& address) {
   const std::size_t comma = text.find(',');
   std::string_view words = comma == std::string_view::npos ? "" : text.substr(comma + 1);
   for (; comma != std::string_view::npos;) {
@@ -69,7 +69,7 @@ int PortIn(std::string_view text, const DeviceAddress& address) {
 }
 
 /// `HOST:PORT`, `[HOST]:PORT` or, if the host may be missing, `PORT`.
-void TakeHostAndPort(std::string_view text, bool needs_host, DeviceAddress& address) {
+void ParseHostAndPort(std::string_view text, bool needs_host, DeviceAddress& address) {
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos && needs_host) {
     Fail(address, "has no host: 127.0.0.1 is this machine, as in udp:127.0.0.1:9000");
@@ -84,10 +84,10 @@ void TakeHostAndPort(std::string_view text, bool needs_host, DeviceAddress& addr
   address.port = PortIn(text, address);
 }
 
-void TakeOsc(std::string_view text, DeviceRole role, DeviceAddress& address) {
+void ParseOsc(std::string_view text, DeviceRole role, DeviceAddress& address) {
   const std::size_t slash = std::min(text.find('/'), text.size());
   address.osc_address = text.substr(slash);
-  TakeHostAndPort(text.substr(0, slash), role == DeviceRole::kSink, address);
+  ParseHostAndPort(text.substr(0, slash), role == DeviceRole::kSink, address);
   address.format = FrameFormat::kOsc;
   const std::string_view name = address.osc_address;
   const bool ends_with_star = name.ends_with('*') && role == DeviceRole::kSource;
@@ -98,7 +98,7 @@ void TakeOsc(std::string_view text, DeviceRole role, DeviceAddress& address) {
   if (address.host.empty()) address.host = "0.0.0.0";
 }
 
-void TakeSerial(std::string_view text, DeviceAddress& address) {
+void ParseSerial(std::string_view text, DeviceAddress& address) {
   const std::size_t at = text.rfind('@');
   if (at != std::string_view::npos) {
     const auto baud = controller::ParseWholeNumber(text.substr(at + 1), 1, 10'000'000);
@@ -141,13 +141,13 @@ DeviceAddress ParseDeviceAddress(std::string_view text, DeviceRole role) {
     if (rest.empty()) Fail(address, "has no path");
   } else if (word == "udp" && has_rest) {
     address.kind = DeviceKind::kUdp;
-    TakeHostAndPort(TakeWords(rest, address), true, address);
+    ParseHostAndPort(ParseWords(rest, address), true, address);
   } else if (word == "osc" && has_rest) {
     address.kind = DeviceKind::kOsc;
-    TakeOsc(rest, role, address);
+    ParseOsc(rest, role, address);
   } else if (word == "serial" && has_rest) {
     address.kind = DeviceKind::kSerial;
-    TakeSerial(TakeWords(rest, address), address);
+    ParseSerial(ParseWords(rest, address), address);
   } else {
     Fail(address, fmt::format("is no {}: {}", is_source ? "source of frames" : "sink of commands",
                               Forms(role)));

@@ -88,8 +88,8 @@ std::string Frame(Kind kind, std::size_t count, std::int64_t number, std::int64_
 
 }  // namespace
 
-void BinaryFrames::Take(std::string_view bytes, std::int64_t arrival_ns,
-                        const FrameReceiver& receive) {
+void BinaryFrames::Decode(std::string_view bytes, std::int64_t arrival_ns,
+                          const FrameReceiver& receive) {
   buffer_.append(bytes);
   while (TakeFront(arrival_ns, receive)) {
   }
@@ -119,17 +119,17 @@ bool BinaryFrames::TakeFront(std::int64_t arrival_ns, const FrameReceiver& recei
     return true;
   }
   is_in_garbage_ = false;
-  TakeFrame(frame, arrival_ns, receive);
+  DecodeFrame(frame, arrival_ns, receive);
   buffer_.erase(0, frame.size());
   return true;
 }
 
-void BinaryFrames::TakeFrame(std::string_view frame, std::int64_t arrival_ns,
-                             const FrameReceiver& receive) {
+void BinaryFrames::DecodeFrame(std::string_view frame, std::int64_t arrival_ns,
+                               const FrameReceiver& receive) {
   const Head head = *ReadHead(ByteReader(frame));
   ByteReader content(frame.substr(kHeadBytes));
   if (head.kind == kNames) {
-    TakeNames(content.Take(head.count));
+    ReadNames(content.Take(head.count));
     return;
   }
   if (columns_.count == 0 && head.count > 0) {
@@ -151,7 +151,7 @@ void BinaryFrames::TakeFrame(std::string_view frame, std::int64_t arrival_ns,
   Emit(decoded, values_, receive);
 }
 
-void BinaryFrames::TakeNames(std::string_view text) {
+void BinaryFrames::ReadNames(std::string_view text) {
   std::vector<std::string> names;
   for (const std::string_view name : SplitCells(text)) names.emplace_back(name);
   const bool fits = columns_.count == 0 || columns_.count == names.size();

@@ -24,7 +24,8 @@ namespace gauntlet::sim {
 /// Names are sent first, and again from time to time. All frames have equally many values.
 class BinaryFrames : public FrameDecoder {
  public:
-  void Take(std::string_view bytes, std::int64_t arrival_ns, const FrameReceiver& receive) override;
+  void Decode(std::string_view bytes, std::int64_t arrival_ns,
+              const FrameReceiver& receive) override;
   void EndPacket(std::int64_t arrival_ns, const FrameReceiver& receive) override;
   void Restart() override;
   FrameFormat format() const override { return FrameFormat::kBinary; }
@@ -32,8 +33,8 @@ class BinaryFrames : public FrameDecoder {
  private:
   /// Takes a frame, or bytes that are none, from the front of the buffer. False if it needs more.
   bool TakeFront(std::int64_t arrival_ns, const FrameReceiver& receive);
-  void TakeFrame(std::string_view frame, std::int64_t arrival_ns, const FrameReceiver& receive);
-  void TakeNames(std::string_view text);
+  void DecodeFrame(std::string_view frame, std::int64_t arrival_ns, const FrameReceiver& receive);
+  void ReadNames(std::string_view text);
   void Skip(std::size_t bytes);
 
   std::string buffer_;

@@ -37,8 +37,8 @@ std::string CybergloveFrames::Farewell() const {
   return mode_ == Mode::kStream ? std::string(1, kStop) : std::string();
 }
 
-void CybergloveFrames::Take(std::string_view bytes, std::int64_t arrival_ns,
-                            const FrameReceiver& receive) {
+void CybergloveFrames::Decode(std::string_view bytes, std::int64_t arrival_ns,
+                              const FrameReceiver& receive) {
   // No byte of a frame but its last one is zero.
   while (!bytes.empty()) {
     const std::size_t end = bytes.find('\0');
@@ -49,12 +49,12 @@ void CybergloveFrames::Take(std::string_view bytes, std::int64_t arrival_ns,
     }
     if (end == std::string_view::npos) return;
     bytes.remove_prefix(end + 1);
-    TakeFrame(std::exchange(rest_, {}), arrival_ns, receive);
+    DecodeFrame(std::exchange(rest_, {}), arrival_ns, receive);
   }
 }
 
-void CybergloveFrames::TakeFrame(std::string_view frame, std::int64_t arrival_ns,
-                                 const FrameReceiver& receive) {
+void CybergloveFrames::DecodeFrame(std::string_view frame, std::int64_t arrival_ns,
+                                   const FrameReceiver& receive) {
   const bool has_letter = frame.starts_with(kPoll) || frame.starts_with(kStream);
   const std::size_t size = frame.size() - (has_letter ? 1 : 0);
   if (!has_letter || std::ranges::find(kSizes, size) == kSizes.end()) {

@@ -24,7 +24,8 @@ class CybergloveFrames : public FrameDecoder {
 
   explicit CybergloveFrames(Mode mode) : mode_(mode) {}
 
-  void Take(std::string_view bytes, std::int64_t arrival_ns, const FrameReceiver& receive) override;
+  void Decode(std::string_view bytes, std::int64_t arrival_ns,
+              const FrameReceiver& receive) override;
   void EndPacket(std::int64_t arrival_ns, const FrameReceiver& receive) override;
   void Restart() override;
   std::string Request(std::int64_t now_ns) override;
@@ -34,7 +35,7 @@ class CybergloveFrames : public FrameDecoder {
   }
 
  private:
-  void TakeFrame(std::string_view frame, std::int64_t arrival_ns, const FrameReceiver& receive);
+  void DecodeFrame(std::string_view frame, std::int64_t arrival_ns, const FrameReceiver& receive);
 
   Mode mode_;
   std::string rest_;             // of a frame without its end

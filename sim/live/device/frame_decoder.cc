@@ -48,10 +48,10 @@ class DetectingDecoder : public FrameDecoder {
   explicit DetectingDecoder(std::vector<std::unique_ptr<FrameDecoder>> candidates)
       : candidates_(std::move(candidates)) {}
 
-  void Take(std::string_view bytes, std::int64_t arrival_ns,
-            const FrameReceiver& receive) override {
+  void Decode(std::string_view bytes, std::int64_t arrival_ns,
+              const FrameReceiver& receive) override {
     Try(receive, [&](FrameDecoder& decoder, const FrameReceiver& receiver) {
-      decoder.Take(bytes, arrival_ns, receiver);
+      decoder.Decode(bytes, arrival_ns, receiver);
     });
   }
   void EndPacket(std::int64_t arrival_ns, const FrameReceiver& receive) override {

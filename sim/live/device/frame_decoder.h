@@ -28,8 +28,8 @@ class FrameDecoder {
 
   /// The next bytes, all of this arrival. Passes on each frame that is whole then. Errors: as of
   /// FrameSource::Wait().
-  virtual void Take(std::string_view bytes, std::int64_t arrival_ns,
-                    const FrameReceiver& receive) = 0;
+  virtual void Decode(std::string_view bytes, std::int64_t arrival_ns,
+                      const FrameReceiver& receive) = 0;
   /// The bytes that were taken are the end of a packet: no frame goes on in the next one.
   virtual void EndPacket(std::int64_t arrival_ns, const FrameReceiver& receive) = 0;
   /// The next bytes may begin within a frame.

@@ -36,7 +36,7 @@ class DecodedSource : public FrameSource {
         reopened_ = device_->counts().reopened;
         decoder_->Restart();
       }
-      decoder_->Take(arrived.bytes, arrived.arrival_ns, receive);
+      decoder_->Decode(arrived.bytes, arrived.arrival_ns, receive);
       if (device_->flow() == ByteFlow::kPackets) decoder_->EndPacket(arrived.arrival_ns, receive);
     };
     const State state = device_->Wait(timeout, take);

@@ -38,8 +38,8 @@ OscFrames::OscFrames(const std::string& address)
 
 void OscFrames::Restart() { packet_.clear(); }
 
-void OscFrames::Take(std::string_view bytes, std::int64_t /*arrival_ns*/,
-                     const FrameReceiver& /*receive*/) {
+void OscFrames::Decode(std::string_view bytes, std::int64_t /*arrival_ns*/,
+                       const FrameReceiver& /*receive*/) {
   packet_.append(bytes.substr(0, kLargestOscPacket - packet_.size()));
 }
 

@@ -28,7 +28,8 @@ class OscFrames : public FrameDecoder {
  public:
   explicit OscFrames(const std::string& address);
 
-  void Take(std::string_view bytes, std::int64_t arrival_ns, const FrameReceiver& receive) override;
+  void Decode(std::string_view bytes, std::int64_t arrival_ns,
+              const FrameReceiver& receive) override;
   void EndPacket(std::int64_t arrival_ns, const FrameReceiver& receive) override;
   void Restart() override;
   FrameFormat format() const override { return FrameFormat::kOsc; }

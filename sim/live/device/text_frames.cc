@@ -217,8 +217,8 @@ void TextFrames::Restart() {
   passes_over_line_ = flow_ == ByteFlow::kCutStream;
 }
 
-void TextFrames::Take(std::string_view bytes, std::int64_t arrival_ns,
-                      const FrameReceiver& receive) {
+void TextFrames::Decode(std::string_view bytes, std::int64_t arrival_ns,
+                        const FrameReceiver& receive) {
   while (!bytes.empty()) {
     const std::size_t end = bytes.find('\n');
     const std::string_view part = bytes.substr(0, end);
@@ -231,23 +231,23 @@ void TextFrames::Take(std::string_view bytes, std::int64_t arrival_ns,
     }
     if (end == std::string_view::npos) return;
     if (!std::exchange(passes_over_line_, false)) {
-      TakeLine(std::exchange(rest_, {}), arrival_ns, receive);
+      DecodeLine(std::exchange(rest_, {}), arrival_ns, receive);
     }
   }
 }
 
 void TextFrames::EndPacket(std::int64_t arrival_ns, const FrameReceiver& receive) {
   passes_over_line_ = false;
-  TakeLine(std::exchange(rest_, {}), arrival_ns, receive);
+  DecodeLine(std::exchange(rest_, {}), arrival_ns, receive);
 }
 
-void TextFrames::TakeLine(std::string_view line, std::int64_t arrival_ns,
-                          const FrameReceiver& receive) {
+void TextFrames::DecodeLine(std::string_view line, std::int64_t arrival_ns,
+                            const FrameReceiver& receive) {
   line = WithoutByteOrderMark(line);
   if (line.ends_with('\r')) line.remove_suffix(1);
   if (IsBlankOrComment(line)) return;
   if (form_) {
-    TakeRow(line, arrival_ns, receive);
+    DecodeRow(line, arrival_ns, receive);
     return;
   }
   head_.push_back({std::string(line), arrival_ns});
@@ -267,12 +267,12 @@ void TextFrames::TakeLine(std::string_view line, std::int64_t arrival_ns,
   for (std::size_t i = 0; i < first_; ++i) CountGarbage("a line before the first ones that agree");
   const std::deque<Line> head = std::exchange(head_, {});
   for (std::size_t i = first_; i < head.size(); ++i) {
-    TakeRow(head[i].text, head[i].arrival_ns, receive);
+    DecodeRow(head[i].text, head[i].arrival_ns, receive);
   }
 }
 
-void TextFrames::TakeRow(std::string_view line, std::int64_t arrival_ns,
-                         const FrameReceiver& receive) {
+void TextFrames::DecodeRow(std::string_view line, std::int64_t arrival_ns,
+                           const FrameReceiver& receive) {
   switch (form_->Read(line, values_)) {
     case LineForm::Found::kRow:
       Emit(values_, arrival_ns, receive);

@@ -25,7 +25,8 @@ class TextFrames : public FrameDecoder {
   TextFrames(FrameFormat format, ByteFlow flow);
   ~TextFrames() override;
 
-  void Take(std::string_view bytes, std::int64_t arrival_ns, const FrameReceiver& receive) override;
+  void Decode(std::string_view bytes, std::int64_t arrival_ns,
+              const FrameReceiver& receive) override;
   void EndPacket(std::int64_t arrival_ns, const FrameReceiver& receive) override;
   void Restart() override;
   FrameFormat format() const override { return format_; }
@@ -36,8 +37,8 @@ class TextFrames : public FrameDecoder {
     std::int64_t arrival_ns = 0;
   };
 
-  void TakeLine(std::string_view line, std::int64_t arrival_ns, const FrameReceiver& receive);
-  void TakeRow(std::string_view line, std::int64_t arrival_ns, const FrameReceiver& receive);
+  void DecodeLine(std::string_view line, std::int64_t arrival_ns, const FrameReceiver& receive);
+  void DecodeRow(std::string_view line, std::int64_t arrival_ns, const FrameReceiver& receive);
   /// Finds the form that the last lines of the head have; null if they do not agree.
   std::unique_ptr<LineForm> FindForm();
   std::unique_ptr<LineForm> FindTable();

@@ -122,7 +122,7 @@ class Events {
 /// At most one switch per period.
 class SwitchLimit {
  public:
-  bool Take() {
+  bool Allow() {
     const std::lock_guard lock(mutex_);
     const Clock::time_point now = Clock::now();
     if (last_ && now - *last_ < kBetweenSwitches) return false;
@@ -288,7 +288,7 @@ class LiveServer::Server {
     if (found == config_.controllers.end()) {
       return Answer(400, "no controller of this session has this name", response);
     }
-    if (!limit_.Take()) {
+    if (!limit_.Allow()) {
       response.set_header("Retry-After", "1");
       return Answer(429, "at most two switches per second", response);
     }

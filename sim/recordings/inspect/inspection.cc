@@ -159,8 +159,8 @@ double RateInNotes(const std::vector<std::string>& notes) {
 
 /// A table whose rows have no times of their own: the rate is the given one (0: none), the mean of
 /// a coarse clock, or an assumption.
-void TakeRate(const TimeStatistics& time, bool is_coarse, double given_rate_hz,
-              Inspection& inspection) {
+void SetRate(const TimeStatistics& time, bool is_coarse, double given_rate_hz,
+             Inspection& inspection) {
   constexpr double kAssumedRateHz = 50.0;
   inspection.rate_is_known = given_rate_hz > 0.0;
   inspection.rate_is_assumed = !inspection.rate_is_known;
@@ -180,8 +180,8 @@ std::optional<ColumnMap> MapOf(const Inspection& inspection, const std::string& 
 }
 
 /// Takes over the guessed time columns if their time advances from row to row.
-void TakeTime(const TimeGuess& guess, const TimeStatistics& time, double given_rate_hz,
-              Inspection& inspection) {
+void SetTime(const TimeGuess& guess, const TimeStatistics& time, double given_rate_hz,
+             Inspection& inspection) {
   const bool is_bursts = !guess.parts.empty() && IsInBursts(time);
   const bool is_coarse = is_bursts || (!guess.parts.empty() && IsCoarse(time, inspection.rows));
   inspection.has_time = !guess.parts.empty() && std::isfinite(time.rate_hz) && !is_coarse;
@@ -192,7 +192,7 @@ void TakeTime(const TimeGuess& guess, const TimeStatistics& time, double given_r
                                     : "its column has no two rows at different times";
   for (const TimePart& part : guess.parts) inspection.columns.at(part.column).is_time = true;
   if (!inspection.has_time) {
-    TakeRate(time, is_coarse, given_rate_hz, inspection);
+    SetRate(time, is_coarse, given_rate_hz, inspection);
     return;
   }
   inspection.rate_is_assumed = guess.is_assumed;
@@ -260,8 +260,8 @@ bool IsRectified(const ColumnStatistics& is) {
 
 /// Replaces the statistics of raw muscle signals by those of their envelopes. `table`: of the file;
 /// a text has been read, and is opened again.
-void TakeEnvelopes(const std::filesystem::path& file, TableInput table, const TimeGuess& time,
-                   Inspection& inspection) {
+void ComputeEnvelopeStatistics(const std::filesystem::path& file, TableInput table,
+                               const TimeGuess& time, Inspection& inspection) {
   std::vector<std::pair<std::size_t, Envelope>> envelopes;
   for (const std::size_t c : inspection.Sensors()) {
     if (inspection.columns[c].quantity != Quantity::kMuscle) continue;
@@ -300,8 +300,8 @@ void TakeEnvelopes(const std::filesystem::path& file, TableInput table, const Ti
 }
 
 /// Quantities of the columns, and the joints of one family.
-void TakeJoints(const std::vector<ColumnFamily>& families, const JointChoice& choice,
-                Inspection& inspection) {
+void SetJoints(const std::vector<ColumnFamily>& families, const JointChoice& choice,
+               Inspection& inspection) {
   for (const ColumnFamily& family : families) {
     for (const std::size_t c : family.columns) {
       InspectedColumn& column = inspection.columns[c];
@@ -706,8 +706,8 @@ void FindJoints(const TableStatistics& statistics, const std::vector<RowGroups>&
         options.columns ? GivenFamily(evidence, options.columns->first, options.columns->second)
                         : FindFamilies(evidence, inspection.has_time ? statistics.kept_times_s()
                                                                      : std::vector<double>());
-    TakeJoints(families, ChooseJoints(families, inspection.layout.names, options.joints, map),
-               inspection);
+    SetJoints(families, ChooseJoints(families, inspection.layout.names, options.joints, map),
+              inspection);
   } catch (const UserError& error) {
     if (!error.place().empty()) throw;
     throw UserError({.place = inspection.file, .problem = error.what()});
@@ -777,12 +777,12 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
     }
   }
   const double noted_rate_hz = RateInNotes(inspection.layout.notes);
-  TakeTime(time, statistics.Time(), options.rate_hz > 0.0 ? options.rate_hz : noted_rate_hz,
-           inspection);
+  SetTime(time, statistics.Time(), options.rate_hz > 0.0 ? options.rate_hz : noted_rate_hz,
+          inspection);
   if (time.unit_is_guessed) inspection.noted_rate_hz = noted_rate_hz;
   KeepPicture(statistics, inspection);
   FindJoints(statistics, groups, options, map, inspection);
-  TakeEnvelopes(file, std::move(*opened.table), time, inspection);
+  ComputeEnvelopeStatistics(file, std::move(*opened.table), time, inspection);
   return inspection;
 }
 

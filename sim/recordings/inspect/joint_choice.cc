@@ -94,7 +94,7 @@ std::string ColumnsText(std::vector<std::size_t> columns) {
   return text;
 }
 
-void Take(const ColumnFamily& family, JointChoice& choice) {
+void ChooseFamily(const ColumnFamily& family, JointChoice& choice) {
   choice.columns = family.columns;
   choice.joints.assign(family.columns.size(), {});
   choice.unit = family.unit;
@@ -171,8 +171,8 @@ ColumnFamily SensorsForPreset(const std::vector<ColumnFamily>& families, const P
                               found == 1 ? "is" : "are", "the sensors are"));
 }
 
-void TakePreset(const std::vector<ColumnFamily>& families, const JointOptions& options,
-                JointChoice& choice) {
+void ChooseByPreset(const std::vector<ColumnFamily>& families, const JointOptions& options,
+                    JointChoice& choice) {
   const Preset preset = ReadPreset(options.preset);
   const ColumnFamily sensors = SensorsForPreset(families, preset, options);
   if (preset.is_degrees && !IsAngle(sensors.unit)) {
@@ -180,7 +180,7 @@ void TakePreset(const std::vector<ColumnFamily>& families, const JointOptions& o
                                 options.preset, ColumnsText(sensors.columns), NameOf(sensors.unit),
                                 sensors.facts.low, sensors.facts.high));
   }
-  Take(sensors, choice);
+  ChooseFamily(sensors, choice);
   for (std::size_t i = 0; i < choice.joints.size(); ++i) {
     const std::string& channel = preset.channels[i];
     choice.joints[i] = {channel, JointBasis::kPreset,
@@ -191,7 +191,8 @@ void TakePreset(const std::vector<ColumnFamily>& families, const JointOptions& o
 }
 
 /// Joints of a column map.
-void TakeMap(const std::vector<ColumnFamily>& families, const ColumnMap& map, JointChoice& choice) {
+void ChooseByMap(const std::vector<ColumnFamily>& families, const ColumnMap& map,
+                 JointChoice& choice) {
   std::map<std::size_t, int> channels;  // by column
   for (const ColumnMapping& mapping : map.channels) channels[mapping.column] = mapping.channel;
   const auto mapped = [&channels](const ColumnFamily& family) {
@@ -202,7 +203,7 @@ void TakeMap(const std::vector<ColumnFamily>& families, const ColumnMap& map, Jo
   if (best == families.end() || mapped(*best) == 0) {
     throw UserError("the columns of the map's channels contain no numbers");
   }
-  Take(*best, choice);
+  ChooseFamily(*best, choice);
   choice.columns.clear();
   choice.joints.clear();
   for (const auto& [column, channel] : channels) {
@@ -213,7 +214,7 @@ void TakeMap(const std::vector<ColumnFamily>& families, const ColumnMap& map, Jo
 }
 
 /// Joints by the number of the sensors, or a question.
-void TakeByNumber(const ColumnFamily& family, JointChoice& choice) {
+void ChooseByNumber(const ColumnFamily& family, JointChoice& choice) {
   const std::string_view preset = PresetFor(family.columns.size(), family.unit);
   const bool is_beyond_all =
       family.is_assumed && family.unit == RawUnit::kCounts && family.facts.low < 0.0;
@@ -264,8 +265,8 @@ bool IsRange(const std::vector<std::size_t>& columns) {
 }
 
 /// Joints of the best family. A question if none is best.
-void TakeBest(const std::vector<const ColumnFamily*>& sensors,
-              const std::vector<std::string>& names, JointChoice& choice) {
+void ChooseBest(const std::vector<const ColumnFamily*>& sensors,
+                const std::vector<std::string>& names, JointChoice& choice) {
   const auto best = std::ranges::max_element(sensors, {}, [](const ColumnFamily* family) {
     return std::tuple(QualityOf(*family), family->columns.size());
   });
@@ -276,7 +277,7 @@ void TakeBest(const std::vector<const ColumnFamily*>& sensors,
   };
   const auto rival = std::ranges::find_if(sensors, is_equal);
   const ColumnFamily all = family.facts.names_fingers ? WithArm(family, sensors) : family;
-  Take(all, choice);
+  ChooseFamily(all, choice);
   if (rival != sensors.end()) {
     const bool is_range = IsRange(family.columns) && IsRange((*rival)->columns);
     choice.question = fmt::format("both {} and {} may be the joints{}", ColumnsText(family.columns),
@@ -290,7 +291,7 @@ void TakeBest(const std::vector<const ColumnFamily*>& sensors,
     return;
   }
   if (!family.facts.names_fingers) {
-    TakeByNumber(family, choice);
+    ChooseByNumber(family, choice);
     return;
   }
   std::vector<std::string> own_names;
@@ -309,13 +310,13 @@ void TakeBest(const std::vector<const ColumnFamily*>& sensors,
 }
 
 /// Muscles of which a person may make channels.
-void TakeMuscles(const std::vector<ColumnFamily>& families, JointChoice& choice) {
+void ChooseMuscles(const std::vector<ColumnFamily>& families, JointChoice& choice) {
   const auto is_muscle = [](const ColumnFamily& family) {
     return family.quantity == Quantity::kMuscle && family.facts.moving > 0;
   };
   const auto muscles = std::ranges::find_if(families, is_muscle);
   if (muscles == families.end()) return;
-  Take(*muscles, choice);
+  ChooseFamily(*muscles, choice);
   choice.question = fmt::format("{}: {} of muscles; the joint that each is to move is unknown",
                                 ColumnsText(muscles->columns),
                                 muscles->columns.size() == 1 ? "activity" : "activities");
@@ -342,11 +343,11 @@ JointChoice ChooseJoints(const std::vector<ColumnFamily>& families,
                          const std::optional<ColumnMap>& map) {
   JointChoice choice;
   if (map) {
-    TakeMap(families, *map, choice);
+    ChooseByMap(families, *map, choice);
     return choice;
   }
   if (!options.preset.empty()) {
-    TakePreset(families, options, choice);
+    ChooseByPreset(families, options, choice);
     return choice;
   }
   if (IsCommandLog(families)) {
@@ -357,11 +358,11 @@ JointChoice ChooseJoints(const std::vector<ColumnFamily>& families,
   const auto sensors = SensorsOf(families, options.hand, choice.question);
   if (!choice.question.empty()) return choice;
   if (sensors.empty()) {
-    TakeMuscles(families, choice);
+    ChooseMuscles(families, choice);
     if (choice.columns.empty()) choice.question = WithoutSensors(families);
     return choice;
   }
-  TakeBest(sensors, names, choice);
+  ChooseBest(sensors, names, choice);
   return choice;
 }
 

@@ -650,7 +650,7 @@ std::string NameOfHand(const FoundHand& hand) {
   return name.empty() ? "without a name" : OneLine(Trimmed(name), 40);
 }
 
-void TakeConfidence(const std::vector<ColumnParts>& columns, KeypointColumns& hand) {
+void FindConfidence(const std::vector<ColumnParts>& columns, KeypointColumns& hand) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const ColumnParts& parts = columns[c];
     const bool is_of_hand =
@@ -715,7 +715,7 @@ KeypointLayout FindKeypoints(const std::vector<std::string>& names, Quaternions 
     }
   }
   for (FoundHand& hand : hands) {
-    TakeConfidence(columns, hand.columns);
+    FindConfidence(columns, hand.columns);
     layout.hands.push_back(std::move(hand.columns));
   }
   return layout;

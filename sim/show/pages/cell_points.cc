@@ -75,7 +75,7 @@ double CellPoints::RankOf(const CellPoint& point) const {
   return Metrics()[best_by_].lower_is_better ? score : -score;
 }
 
-void CellPoints::TakeIntoHeatMaps(const CellPoint& point, const Order& order) {
+void CellPoints::AddToHeatMaps(const CellPoint& point, const Order& order) {
   const auto& [breaks_bounds, stopped, rank, number] = order;
   if (breaks_bounds || !std::isfinite(rank)) return;
   for (Pair& pair : pairs_) {

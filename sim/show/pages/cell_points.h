@@ -48,7 +48,7 @@ class CellPoints {
   void Add(CellPoint point, const Texts& texts) {
     const std::int64_t number = seen_++;
     const Order order{!point.keeps_bounds, point.stopped, RankOf(point), number};
-    TakeIntoHeatMaps(point, order);
+    AddToHeatMaps(point, order);
     const bool is_sample = number % every_ == 0;
     const bool is_good = kept_.size() < kPagePoints / 2 || order < worst_good_;
     if (!is_sample && !is_good) return;
@@ -87,7 +87,7 @@ class CellPoints {
 
   /// The lower the better.
   double RankOf(const CellPoint& point) const;
-  void TakeIntoHeatMaps(const CellPoint& point, const Order& order);
+  void AddToHeatMaps(const CellPoint& point, const Order& order);
   /// Sorts; of too many points keeps the samples and the best.
   void DropSome();
 

@@ -99,7 +99,7 @@ std::string HeatMapSvg(const HeatMap& map) {
   const auto rows = static_cast<double>(map.y_labels.size());
   const double cell_width = std::clamp(600.0 / columns, 26.0, 90.0);
   Extent range;
-  for (const double value : map.best) range.Take(value);
+  for (const double value : map.best) range.Include(value);
   Figure figure{kHeatLayout.left + columns * cell_width + kHeatLayout.right,
                 kHeatLayout.top + rows * kHeatRow + kHeatLayout.bottom, "heat-map",
                 fmt::format("Best {} over {} and {}: {} to {}", map.score, map.x_name, map.y_name,

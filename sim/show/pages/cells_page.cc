@@ -56,7 +56,7 @@ std::vector<ChartAxis> AxesOf(const CellPoints& gathered, const std::vector<std:
   std::vector<ChartAxis> axes = gathered.axes();
   for (const std::size_t m : scores) {
     Extent range;
-    for (const CellPoints::Kept& kept : gathered.kept()) range.Take(kept.point.scores[m]);
+    for (const CellPoints::Kept& kept : gathered.kept()) range.Include(kept.point.scores[m]);
     axes.push_back({.name = std::string(Metrics()[gathered.metrics()[m]].key),
                     .low = range.low,
                     .high = range.high});

@@ -119,8 +119,8 @@ std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, dou
   Figure figure{width_px, height_px, kind, SaidOf(points)};
   Extent delay = {0.0, 145.0}, jitter = {0.0, 1e-3};  // at least
   for (const FrontPoint& point : points) {
-    delay.Take(1.1 * point.delay_ms);
-    jitter.Take(1.15 * point.jitter_deg);
+    delay.Include(1.1 * point.delay_ms);
+    jitter.Include(1.15 * point.jitter_deg);
   }
   const Panel panel(figure.Inside(), {delay, "delay, ms", width_px < 500.0 ? 5 : 9},
                     {jitter, "jitter, deg RMS", 5, true});

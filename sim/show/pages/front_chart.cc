@@ -35,8 +35,8 @@ class PartInSight {
     Extent delay, jitter;
     for (const FrontSeries& one : series) {
       if (!one.answer) continue;
-      delay.Take(one.answer->delay_ms);
-      jitter.Take(one.answer->jitter_deg);
+      delay.Include(one.answer->delay_ms);
+      jitter.Include(one.answer->jitter_deg);
     }
     if (!std::isfinite(delay.low)) return;
     most_delay_ms_ = delay.high + std::max(delay.high - delay.low, 20.0);
@@ -96,8 +96,8 @@ std::string FrontSvg(const std::vector<ChartPoint>& points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!std::isfinite(points[i].delay_ms) || !std::isfinite(points[i].jitter_deg)) continue;
     order.push_back(i);
-    delay.Take(points[i].delay_ms);
-    jitter.Take(points[i].jitter_deg);
+    delay.Include(points[i].delay_ms);
+    jitter.Include(points[i].jitter_deg);
   }
   if (order.empty()) return "";
   Figure figure{460.0, 320.0, "front", "Jitter against delay"};
@@ -122,8 +122,8 @@ std::string FrontsSvg(const std::vector<FrontSeries>& series, double most_delay_
   Extent delay, jitter;
   for (const FrontSeries& one : series) {
     for (const FrontSeries::Place& place : part.Of(one)) {
-      delay.Take(place.delay_ms);
-      jitter.Take(place.jitter_deg);
+      delay.Include(place.delay_ms);
+      jitter.Include(place.jitter_deg);
     }
   }
   if (!std::isfinite(delay.low)) return "";

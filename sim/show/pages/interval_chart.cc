@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kMargin = 0.04;  // of the range, beyond all values
 
-void TakeInterval(const MeanInterval& interval, Extent& range) {
-  for (const double value : {interval.mean, interval.low, interval.high}) range.Take(value);
+void IncludeInterval(const MeanInterval& interval, Extent& range) {
+  for (const double value : {interval.mean, interval.low, interval.high}) range.Include(value);
 }
 
 /// The means of one controller as dots and a curve over the band of their intervals.
@@ -79,10 +79,10 @@ std::string ResponseSvg(const Response& response, std::size_t metric, const std:
   const std::string score(Metrics()[response.metrics[metric]].key);
   const std::size_t controllers = response.controllers.size();
   Extent x_range, y_range;
-  y_range.Take(0.0);
+  y_range.Include(0.0);
   for (std::size_t v = 0; v < response.values.size(); ++v) {
-    x_range.Take(response.values[v]);
-    for (const auto& scores : response.scores[v]) TakeInterval(scores[metric], y_range);
+    x_range.Include(response.values[v]);
+    for (const auto& scores : response.scores[v]) IncludeInterval(scores[metric], y_range);
   }
   const double margin = kMargin * (y_range.high - y_range.low);
   y_range = {y_range.low - (y_range.low < 0.0 ? margin : 0.0), y_range.high + margin};
@@ -106,16 +106,16 @@ std::string ResponseSvg(const Response& response, std::size_t metric, const std:
 std::string TornadoSvg(const RobustPlan& plan, const RobustScore& score, double nominal) {
   constexpr double kEach = 32.0, kFirst = 30.0;
   Extent range;
-  range.Take(nominal);
+  range.Include(nominal);
   double relevant = 0.0;
   for (const TornadoBar& bar : score.bars) {
     if (!bar.problem.empty()) continue;
-    TakeInterval(bar.low, range);
-    TakeInterval(bar.high, range);
+    IncludeInterval(bar.low, range);
+    IncludeInterval(bar.high, range);
     relevant = bar.change.relevant_difference;
   }
-  range.Take(nominal - relevant);
-  range.Take(nominal + relevant);
+  range.Include(nominal - relevant);
+  range.Include(nominal + relevant);
   range.Widen(kMargin);
   const std::string title =
       fmt::format("{} - {}, {}", score.controllers[score.two_best[0]].name,

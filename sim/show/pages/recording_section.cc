@@ -111,7 +111,7 @@ std::string DotsOf(const GloveSignal& glove, const Rows& rows, std::size_t chann
   const auto angle = recording.angle_rad.col(static_cast<Eigen::Index>(channel));
   const auto value = [&](std::size_t row) { return angle[static_cast<Eigen::Index>(row)]; };
   Extent angles;
-  for (std::size_t i = rows.begin; i < rows.end; ++i) angles.Take(value(i));
+  for (std::size_t i = rows.begin; i < rows.end; ++i) angles.Include(value(i));
   if (!(angles.high > angles.low)) return "";
   const std::string name(KnownChannels()[channel].name);
   const Extent times = {recording.time_s[rows.begin], recording.time_s[rows.end - 1]};

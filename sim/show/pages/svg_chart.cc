@@ -50,15 +50,15 @@ std::pair<Extent, Extent> RangesOf(const Chart& chart) {
   Extent x, y;
   for (const ChartCurve& curve : chart.curves) {
     if (curve.values.empty()) continue;  // only takes a colour
-    x.Take(curve.first_x);
-    x.Take(curve.first_x + curve.step_x * (curve.values.size() - 1));
-    for (const double value : curve.values) y.Take(value);
+    x.Include(curve.first_x);
+    x.Include(curve.first_x + curve.step_x * (curve.values.size() - 1));
+    for (const double value : curve.values) y.Include(value);
   }
   for (const ChartBars& bars : chart.bars) {
-    x.Take(bars.first_x - 0.5 * bars.step_x);
-    x.Take(bars.first_x + bars.step_x * (bars.heights.size() - 0.5));
-    y.Take(0.0);
-    for (const double height : bars.heights) y.Take(height);
+    x.Include(bars.first_x - 0.5 * bars.step_x);
+    x.Include(bars.first_x + bars.step_x * (bars.heights.size() - 0.5));
+    y.Include(0.0);
+    for (const double height : bars.heights) y.Include(height);
   }
   constexpr double kFreeShare = 0.05;
   if (chart.bars.empty()) {

@@ -122,7 +122,7 @@ class FrameArtist {
     if (const auto window = view_.WindowAt(*data_)) renderer_.SetWindow(window);
     if (!view_.bodies().empty()) {
       renderer_.DrawBodies(*data_, view_.bodies(), drawn_);
-      ghost_.Take(drawn_);
+      ghost_.SetHand(drawn_);
     }
     for (std::size_t i = 0; i < input_.panes.size(); ++i) {
       const int pane = static_cast<int>(i), sample = picture_.SampleOf(pane, frame);
@@ -130,7 +130,7 @@ class FrameArtist {
       renderer_.Draw(*data_, hands_[i], colours_.Of(pane, sample));
       DrawInset(pane, sample);
     }
-    if (input_.overlay) second_.Take(hands_[1]);
+    if (input_.overlay) second_.SetHand(hands_[1]);
     picture_.Draw(
         frame,
         {.panes = hands_, .insets = insets_, .wearer = ghost_, .second = second_, .view = view_},

@@ -45,7 +45,7 @@ std::array<std::uint32_t, 256> Shades(const Color& color, double alpha) {
 
 }  // namespace
 
-void Ghost::Take(const Image& hand) {
+void Ghost::SetHand(const Image& hand) {
   const int width = hand.width_px, height = hand.height_px;
   if (shape_.width_px != width || shape_.height_px != height) {
     shape_ = outline_ = Image(width, height);

@@ -16,7 +16,7 @@ class Ghost {
   explicit Ghost(const Color& color, int outline_px) : color_(color), outline_px_(outline_px) {}
 
   /// From a picture that is opaque where the wearer's hand is.
-  void Take(const Image& hand);
+  void SetHand(const Image& hand);
 
   /// Under the robot's hand.
   const Image& shape() const { return shape_; }

@@ -153,7 +153,7 @@ Scenario ReadScenario(const RepeatedSettings& lists, std::size_t repetition, Yam
     throw source.At(list->values[repetition],
                     controller::SettingError(error.key(), error.problem()));
   }
-  TakeCalibrationOfMap(scenario.glove);
+  ApplyCalibrationOfMap(scenario.glove);
   return scenario;
 }
 

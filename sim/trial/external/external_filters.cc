@@ -109,7 +109,7 @@ class ExternalFilter final : public Filter {
     Try([this, channel] { stepper_->StartChannel(channel); });
   }
   void StartChecked(std::span<const double> /*values*/) noexcept override {}
-  bool TakeChecked(Filter& /*from*/) noexcept override { return false; }
+  bool SwapChecked(Filter& /*from*/) noexcept override { return false; }
 
   /// False if it fails.
   template <class Work>

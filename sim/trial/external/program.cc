@@ -116,7 +116,7 @@ Program::~Program() {
   // It may have something to write to a file of its own.
   const auto deadline = Clock::now() + kFarewell;
   try {
-    while (Clock::now() < deadline && TakeAnswers()) {
+    while (Clock::now() < deadline && ReadAnswers()) {
       received_.clear();
       Exchange(deadline);
     }
@@ -141,7 +141,7 @@ void Program::Tell(std::string_view text, Duration limit) {
 }
 
 std::string_view Program::Ask(std::string_view line, Duration limit) {
-  TakeAnswers();
+  ReadAnswers();
   if (!received_.empty()) {
     throw RunError(fmt::format("{}: \"{}\"", kWithoutSample, Shown(received_)));
   }
@@ -180,12 +180,12 @@ void Program::Exchange(Clock::time_point deadline) {
       pollfd{.fd = errors_.get(), .events = POLLIN, .revents = 0},  // none once it is closed
       pollfd{.fd = unsent_.empty() ? -1 : input_.get(), .events = POLLOUT, .revents = 0}};
   poll(ends.data(), ends.size(), static_cast<int>(left.count()));
-  if (ends[1].revents != 0) TakeErrors();
+  if (ends[1].revents != 0) ReadErrors();
   if (ends[2].revents != 0) Send();
-  if (ends[0].revents != 0 && !TakeAnswers() && input_.get() >= 0) FailAtEnd();
+  if (ends[0].revents != 0 && !ReadAnswers() && input_.get() >= 0) FailAtEnd();
 }
 
-void Program::TakeErrors() {
+void Program::ReadErrors() {
   std::array<char, 4096> block;
   ssize_t got = 0;
   while ((got = read(errors_.get(), block.data(), block.size())) > 0) {
@@ -198,7 +198,7 @@ void Program::TakeErrors() {
   if (got == 0) errors_.Close();
 }
 
-bool Program::TakeAnswers() {
+bool Program::ReadAnswers() {
   std::array<char, 4096> block;
   const ssize_t got = read(output_.get(), block.data(), block.size());
   if (got > 0) received_.append(block.data(), static_cast<std::size_t>(got));
@@ -220,7 +220,7 @@ void Program::FailAtEnd() {
   while (!has_ended && Clock::now() < deadline) {
     has_ended = child_->HasEnded();
     pollfd errors = {.fd = errors_.get(), .events = POLLIN, .revents = 0};
-    if (poll(&errors, 1, has_ended ? 0 : kMoment_ms) > 0) TakeErrors();
+    if (poll(&errors, 1, has_ended ? 0 : kMoment_ms) > 0) ReadErrors();
   }
   KillAll();
   const std::optional<ChildEnd> end = has_ended ? child_->Wait() : std::nullopt;

@@ -55,9 +55,9 @@ class Program {
 
   /// Waits for whatever comes first, at most until `deadline`; takes what there is.
   void Exchange(std::chrono::steady_clock::time_point deadline);
-  void TakeErrors();
+  void ReadErrors();
   /// False at the end of the stream.
-  bool TakeAnswers();
+  bool ReadAnswers();
   void Send();
   [[noreturn]] void FailAtEnd();
   /// It and the processes that it started.

@@ -39,7 +39,7 @@ class ProgramStepper final : public Stepper {
   void Step(std::span<const double> input, std::span<double> output) override {
     line_.clear();
     fmt::format_to(std::back_inserter(line_), "{}\n", fmt::join(input, ","));
-    Take(program_.Ask(line_, is_first_ ? kPatienceAtStart * limit_ : limit_), output);
+    ParseAnswer(program_.Ask(line_, is_first_ ? kPatienceAtStart * limit_ : limit_), output);
     is_first_ = false;
   }
 
@@ -50,7 +50,7 @@ class ProgramStepper final : public Stepper {
   static constexpr int kPatienceAtStart = 10;  // it may load libraries
 
   /// Errors: RunError.
-  void Take(std::string_view answer, std::span<double> output) {
+  void ParseAnswer(std::string_view answer, std::span<double> output) {
     values_.clear();
     for (std::string_view rest = answer;;) {
       const std::size_t end = std::min(rest.find(','), rest.size());

@@ -95,7 +95,7 @@ void Receiver::Reset() {
   arrived_frames_ = late_frames_ = 0;
 }
 
-void Receiver::Take(std::int64_t tick, const LinkFrame& frame) noexcept {
+void Receiver::Accept(std::int64_t tick, const LinkFrame& frame) noexcept {
   GAUNTLET_ASSERT(frame.values.size() == shown_.size());
   const double transit_ticks = static_cast<double>(tick) - frame.stamp_ticks;
   Measure(tick, transit_ticks);

@@ -20,7 +20,7 @@ namespace gauntlet::sim {
 /// So no common clock is needed. While nothing newer is due, the last frame is held, or its slope
 /// is extrapolated over the time by which the next one is overdue, in whole periods.
 ///
-/// Shapes: `values` per frame. Units: ticks. Neither Take() nor Step() throws or allocates.
+/// Shapes: `values` per frame. Units: ticks. Neither Accept() nor Step() throws or allocates.
 class Receiver {
  public:
   /// Result of Step().
@@ -30,7 +30,7 @@ class Receiver {
            const controller::Timing& timing);
 
   /// A frame that arrives at this tick; its values are copied.
-  void Take(std::int64_t tick, const LinkFrame& frame) noexcept;
+  void Accept(std::int64_t tick, const LinkFrame& frame) noexcept;
   /// Finds the values used at this tick; kNothing before the first frame. Ticks grow.
   Found Step(std::int64_t tick) noexcept;
 

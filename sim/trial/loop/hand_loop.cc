@@ -32,7 +32,7 @@ HandLoop::Link::Link(const LinkConfig& config, const LinkEnds& ends, const HandM
       watchdog(config.watchdog, hand.transmission(), hand.timing().controller) {}
 
 void HandLoop::Link::Receive(std::int64_t tick) noexcept {
-  way.Deliver(tick, [&](const LinkFrame& frame) { receiver.Take(tick, frame); });
+  way.Deliver(tick, [&](const LinkFrame& frame) { receiver.Accept(tick, frame); });
 }
 
 HandLoop::HandLoop(const controller::ControllerConfig& config,
@@ -133,9 +133,9 @@ std::span<const std::int32_t> HandLoop::StepBehindLink() noexcept {
   return FrameToSend(controller_.Step({.counts = glove_link_->receiver.values()}));
 }
 
-void HandLoop::TakeGloveFrame(const LinkFrame& frame) noexcept {
+void HandLoop::AcceptGloveFrame(const LinkFrame& frame) noexcept {
   GAUNTLET_ASSERT(glove_link_);
-  glove_link_->receiver.Take(tick_, frame);
+  glove_link_->receiver.Accept(tick_, frame);
 }
 
 void HandLoop::Skip(std::int64_t ticks) noexcept {

@@ -54,7 +54,7 @@ class HandLoop {
 
   /// With a link from the glove whose frames arrive from outside: one of them, before the Step()
   /// without a sample of the same tick. Its way is not simulated.
-  void TakeGloveFrame(const LinkFrame& frame) noexcept;
+  void AcceptGloveFrame(const LinkFrame& frame) noexcept;
   /// From now on the receiver is asked so many ticks later (or earlier) than the sampling period
   /// says: the grid of samples follows a real glove, whose clock drifts. Less than a period.
   void ShiftSamples(int ticks) noexcept { first_sample_tick_ += ticks; }
