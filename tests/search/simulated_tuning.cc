@@ -101,10 +101,11 @@ ScenarioSource SourceOf(const std::string& files, const fs::path& folder) {
   return {.file = file, .text = ReadYamlText(file)};
 }
 
-/// Tracking error in long motion that no search saw, per window.
+/// Mean tracking error in recordings that no search saw, per window.
 class FreshErrors {
  public:
-  explicit FreshErrors(ScenarioSource source) : source_(std::move(source)) {}
+  FreshErrors(ScenarioSource source, int recordings)
+      : source_(std::move(source)), recordings_(recordings) {}
 
   double Of(const std::string& window) {
     const std::lock_guard lock(mutex_);
@@ -113,16 +114,21 @@ class FreshErrors {
       ScenarioSource source = source_;
       source.overrides.push_back(kWindow + ("=" + window));
       const std::size_t tracking = MetricIndex("tracking_rmse_deg");
-      const StudyResult result = RunStudy(
-          PrepareStudy(ParseScenario(source)),
-          {.seeds = 1, .keep_first_traces = false, .physics = false, .scores = {tracking}});
-      at->second = result.seeds.front().controllers.front().scores.summary[tracking];
+      const StudyResult result =
+          RunStudy(PrepareStudy(ParseScenario(source)), {.seeds = recordings_,
+                                                         .keep_first_traces = false,
+                                                         .physics = false,
+                                                         .scores = {tracking}});
+      for (const SeedOutcome& seed : result.seeds) {
+        at->second += seed.controllers.front().scores.summary[tracking] / recordings_;
+      }
     }
     return at->second;
   }
 
  private:
   ScenarioSource source_;
+  int recordings_;
   std::mutex mutex_;
   std::map<std::string, double> errors_deg_;
 };
@@ -144,8 +150,15 @@ TuningOutcome SimulateTuning(const TuningShape& shape) {
   const test::TemporaryDirectory folder;
   const fs::path fresh_folder = folder.path() / "fresh";
   fs::create_directory(fresh_folder);
-  Wearer(shape, "fresh").Record(shape.fresh_s, fresh_folder / "r.csv");
-  FreshErrors fresh(SourceOf("file: r.csv", fresh_folder));
+  // The score of several recordings is the mean of theirs, so fresh ones are as long as the parts.
+  const double part_s = shape.files < 8 ? 0.5 * shape.duration_s : shape.duration_s;
+  const int count = shape.files == 1 ? 1 : static_cast<int>(shape.fresh_s / part_s);
+  Wearer fresh_wearer(shape, "fresh");
+  for (int i = 0; i < count; ++i) {
+    fresh_wearer.Record(shape.files == 1 ? shape.fresh_s : part_s,
+                        fresh_folder / fmt::format("r{:03}.csv", i));
+  }
+  FreshErrors fresh(SourceOf("files: \"r*.csv\"", fresh_folder), count);
   TuningOutcome outcome;
   std::mutex mutex;
   ForEachOnThreads(static_cast<std::size_t>(shape.jobs), static_cast<std::size_t>(shape.scenarios),

@@ -13,7 +13,7 @@ enum class SimulatedMotion {
 struct TuningShape {
   SimulatedMotion motion = SimulatedMotion::kContinuous;
   double duration_s = 60.0;  // of a recording
-  double fresh_s = 1500.0;   // of the fresh motion
+  double fresh_s = 1500.0;   // of the fresh motion, in one recording or in as many as fit
   int files = 1;             // recordings of a scenario
   int scenarios = 100;
   std::uint64_t seed = 1;

@@ -65,7 +65,7 @@ class TuneOnRecordings : public testing::Test {
 };
 
 TEST_F(TuneOnRecordings, TheGainIsThatOfFreshMotion) {
-  // Motion that no search saw.
+  // More of them, and of several recordings: tune_coverage.
   const TuningOutcome outcome =
       SimulateTuning({.duration_s = 45.0, .fresh_s = 400.0, .scenarios = 6});
   EXPECT_GE(outcome.answered, 5);
