@@ -194,6 +194,7 @@ TEST(ComparisonVerdict, WithoutABaselineNamesNoneOfEqualControllers) {
   EXPECT_EQ(VerdictOf(summary).recommended, "");
   summary.comparisons[summary.Place(reversals, 0, 2)].judgement = Judgement::kBetter;
   EXPECT_EQ(VerdictOf(summary).recommended, "a");
+  EXPECT_THAT(ShownControllers(summary), ElementsAre(0, 1, 2));  // not a alone
   EXPECT_THAT(VerdictOf(summary).Text(),
               HasSubstr("Equivalent, but with more command reversals per s than a (14.0): b (20.0) "
                         "and c (16.0)."));

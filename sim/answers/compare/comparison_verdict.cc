@@ -557,7 +557,8 @@ std::vector<std::size_t> ShownControllers(const Summary& summary) {
   if (const auto recommended = choice.recommended()) {
     add(*recommended);
     for (const auto& [metric, c] : choice.alternatives()) add(c);
-  } else {
+  }
+  if (shown.size() < 2 || !choice.recommended()) {
     for (const std::size_t c : OrderOfVerdict(summary)) add(c);
   }
   return shown;

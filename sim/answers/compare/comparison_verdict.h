@@ -32,7 +32,8 @@ Verdict VerdictOf(const Summary& summary);
 /// Indices of controllers: recommended, alternatives, the others by tracking error.
 std::vector<std::size_t> OrderOfVerdict(const Summary& summary);
 /// Whom a page and a video show first, at most three: the baseline, the recommended controller and
-/// the first alternative; where nothing is recommended, the baseline and the next in the order.
+/// the first alternative. Where nothing is recommended, or nothing to compare it with is among
+/// them, the next in the order.
 std::vector<std::size_t> ShownControllers(const Summary& summary);
 /// Role of each controller: "recommended", "equivalent", "least jitter", "baseline"; empty for most.
 std::vector<std::string> RolesOf(const Summary& summary);

@@ -138,7 +138,8 @@ std::string CauseLine(const Summary& summary) {
   constexpr double kLeast = 0.05;
   constexpr double kMostCancelled = 0.25;
   constexpr std::size_t kMost = 3;
-  const ControllerSummary& controller = summary.controllers[summary.baseline.value_or(0)];
+  const ControllerSummary& controller =
+      summary.controllers[summary.baseline ? *summary.baseline : OrderOfVerdict(summary).front()];
   const std::vector<double> parts = ErrorByCause(controller);
   double whole = 0.0;
   std::vector<std::pair<double, std::string_view>> causes;
