@@ -68,11 +68,11 @@ std::string TextOf(const std::vector<ListedArray>& arrays);
 /// struct array remain, which are recordings and no parts of one.
 std::vector<ListedArray> ListArrays(std::vector<NamedArray> arrays, std::string_view chosen);
 
-/// One table of the arrays that ListArrays() takes, side by side in their order. What was chosen by its group has names without it, and so have times. A lone number
-/// called fs, rate or the like is the rate, one called frame_duration or the like its inverse (up
-/// to 0.1 in s, from 1 in ms): the table begins with a time then, unless it has one. A remark lists
-/// the arrays that are left out, unless one is chosen.
-/// Errors: as ListArrays().
+/// One table of the arrays that ListArrays() takes, side by side in their order. What was chosen by
+/// its group has names without it, and so have times. A lone number called fs, rate or the like is
+/// the rate, one called frame_duration or the like its inverse (up to 0.1 in s, from 1 in ms): the
+/// table begins with a time then, unless it has one. A remark lists the arrays that are left out,
+/// unless one is chosen. Errors: as ListArrays().
 void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen, PipeWriter& pipe);
 
 }  // namespace gauntlet::sim

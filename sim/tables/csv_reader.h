@@ -33,16 +33,16 @@ constexpr bool GoesOn(ProblemHandling handling) {
   return handling == ProblemHandling::kRepair || handling == ProblemHandling::kRemove;
 }
 
-/// Reads numbers from a Table, or from text with one row a line (see TextLines), in one pass. It owns
-/// the shape of the table: its separator, columns, header and rows are those that it finds, for all
-/// who use it.
+/// Reads numbers from a Table, or from text with one row a line (see TextLines), in one pass. It
+/// owns the shape of the table: its separator, columns, header and rows are those that it finds,
+/// for all who use it.
 ///
-/// A text has comma, semicolon, tab or spaces between cells (found from the first line), blank lines,
-/// lines that start with '#', quoted names, and a decimal comma if the separator is another
-/// character. A first line with a cell that is no value (see IsValue) is the header.
-/// An empty cell, `nan` or `NA` is a missing value (see NumberOrMissing). A header one name short
-/// lacks the first column's name, or the last one's if it starts with the time. Errors: UserError
-/// `file:row:column: ...`; row is the line of the file, column the cell, from 1.
+/// A text has comma, semicolon, tab or spaces between cells (found from the first line), blank
+/// lines, lines that start with '#', quoted names, and a decimal comma if the separator is another
+/// character. A first line with a cell that is no value (see IsValue) is the header. An empty cell,
+/// `nan` or `NA` is a missing value (see NumberOrMissing). A header one name short lacks the first
+/// column's name, or the last one's if it starts with the time. Errors: UserError `file:row:column:
+/// ...`; row is the line of the file, column the cell, from 1.
 class CsvReader {
  public:
   using Source = TextLines::Source;

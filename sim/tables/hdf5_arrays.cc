@@ -200,7 +200,8 @@ void AddTexts(NamedArray array, std::vector<NamedArray>& arrays) {
   arrays.push_back(std::move(array));
 }
 
-/// `is_of_octave`: a variable that Octave saved. Octave and MATLAB write their first dimension last.
+/// `is_of_octave`: a variable that Octave saved. Octave and MATLAB write their first dimension
+/// last.
 void AddArrays(const H5::DataSet& dataset, const std::string& place, bool is_of_octave,
                std::vector<NamedArray>& arrays) {
   const H5T_class_t kind = dataset.getTypeClass();

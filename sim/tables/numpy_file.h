@@ -13,7 +13,8 @@ namespace gauntlet::sim {
 /// Source: NEP 1, numpy/lib/format.py. Errors: UserError without a place.
 NamedArray ReadNpy(std::string_view bytes, const std::string& name);
 
-/// The arrays in an NPZ file, which is a ZIP of NPY files, stored or deflated. Source: PKWARE APPNOTE 6.3. Errors: UserError without a place.
+/// The arrays in an NPZ file, which is a ZIP of NPY files, stored or deflated. Source: PKWARE
+/// APPNOTE 6.3. Errors: UserError without a place.
 std::vector<NamedArray> ReadNpz(std::string_view bytes);
 
 }  // namespace gauntlet::sim

@@ -35,7 +35,8 @@ std::vector<std::size_t> OrderOfVerdict(const Summary& summary);
 /// the first alternative. Where nothing is recommended, or nothing to compare it with is among
 /// them, the next in the order.
 std::vector<std::size_t> ShownControllers(const Summary& summary);
-/// Role of each controller: "recommended", "equivalent", "least jitter", "baseline"; empty for most.
+/// Role of each controller: "recommended", "equivalent", "least jitter", "baseline"; empty for
+/// most.
 std::vector<std::string> RolesOf(const Summary& summary);
 
 /// The main metrics that some controller has a value of.

@@ -89,12 +89,13 @@ std::string BoundScoresText(const TunePlan& plan, const TuneResult& result,
 TuneResult SearchSettings(const TunePlan& plan, const TuneSplit& split, int jobs,
                           const std::function<bool(double done, double all)>& progress);
 
-/// Searches with Minimise() on the fitted part of SplitOf(), each setting with all of it, and judges
-/// on the held-out part. The answer keeps all bounds by its mean on the first, and on the second
-/// does not break one by more than its 95 % interval: of the ten best settings the first that does.
-/// So many settings are then judged at once. For a primary score, the best are those equivalent to the least value, in the order
-/// of jitter, then delay (`prefers_low_jitter`). The same on any number of threads.
-/// Errors: UserError, SettingError; RunError if no setting keeps the bounds.
+/// Searches with Minimise() on the fitted part of SplitOf(), each setting with all of it, and
+/// judges on the held-out part. The answer keeps all bounds by its mean on the first, and on the
+/// second does not break one by more than its 95 % interval: of the ten best settings the first
+/// that does. So many settings are then judged at once. For a primary score, the best are those
+/// equivalent to the least value, in the order of jitter, then delay (`prefers_low_jitter`). The
+/// same on any number of threads. Errors: UserError, SettingError; RunError if no setting keeps the
+/// bounds.
 TuneResult Tune(const TunePlan& plan, int jobs,
                 const std::function<bool(double done, double all)>& progress);
 

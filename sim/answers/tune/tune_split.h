@@ -49,8 +49,8 @@ struct TuneSplit {
 /// each is divided into blocks as those of a comparison, see DivideRecording(). The first half of
 /// its blocks is fitted, the second is held out. The correlation time is that of the controller's
 /// own errors before it is tuned.
-/// Errors: UserError, SettingError; RunError if a recording is too short, or the controller does not
-/// run.
+/// Errors: UserError, SettingError; RunError if a recording is too short, or the controller does
+/// not run.
 TuneSplit SplitOf(const TunePlan& plan, int jobs);
 
 }  // namespace gauntlet::sim

@@ -39,8 +39,8 @@ struct BlockPlan {
 inline constexpr int kFewestBlocks = 8;
 
 /// The plan for a recording: at most 16 blocks, each at least 5 s and 4 correlation times long.
-/// If that leaves fewer than `fewest`, there are so many if each has 2 correlation times; else none.
-/// Coverage: docs/evidence/measurements.md, blocks of a recording. Units: s.
+/// If that leaves fewer than `fewest`, there are so many if each has 2 correlation times; else
+/// none. Coverage: docs/evidence/measurements.md, blocks of a recording. Units: s.
 BlockPlan PlanBlocks(double duration_s, double correlation_s, int fewest = kFewestBlocks);
 
 /// Values of blocks whose mean is the score of the whole recording and whose standard error that of
