@@ -370,8 +370,11 @@ std::string Measured(const Study& study, const StudyResult& result) {
     const auto angle_rad = reference_rad.col(joint).array();
     return std::sqrt((angle_rad - angle_rad.mean()).square().mean()) < kStillRms_rad;
   };
-  const auto at_rest =
-      reference_rad.rows() == 0 ? 0 : std::ranges::count_if(study.measured_joints, rests);
+  const bool one_motion =
+      std::ranges::all_of(result.seeds, [](const SeedOutcome& seed) { return seed.motion == 0; });
+  const auto at_rest = one_motion && reference_rad.rows() > 0
+                           ? std::ranges::count_if(study.measured_joints, rests)
+                           : 0;
   return fmt::format("{} of {} joints{}", study.measured_joint_names.size(), study.joint_count,
                      at_rest == 0 ? "" : fmt::format(", {} of them at rest", at_rest));
 }

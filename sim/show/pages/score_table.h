@@ -8,7 +8,7 @@
 
 namespace gauntlet::sim {
 
-/// "18 of 18 joints, 12 of them at rest": with scores, of the hand, and with a reference at rest.
+/// "18 of 18 joints, 12 of them at rest": with scores, of the hand, and at rest in the one motion.
 std::string Measured(const Study& study, const StudyResult& result);
 
 /// How long the trials are: "10.8 s", "3.1 to 5.4 s".
