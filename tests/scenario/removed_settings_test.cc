@@ -13,7 +13,8 @@ namespace {
 using ::testing::HasSubstr;
 
 /// What a finished run of 0.3.0 lists beside the settings that still exist.
-constexpr auto kOld = R"(glove:
+constexpr auto kOld = R"(question: Which?
+glove:
   motion:
     kind: sequence
     parts:
@@ -21,7 +22,7 @@ constexpr auto kOld = R"(glove:
       - {kind: hold, duration_s: 1}
   tremor: {rms_deg: 0, shared_percent: 50}
   sensor: {low_percent: 10, high_percent: 90, gain_deviation_percent: 2}
-  noise: {kind: white, recording: "", recording_map: "", recording_rate_hz: 0, recording_scale: 1}
+  noise: {kind: galton, recording: "", recording_map: "", recording_rate_hz: 0, recording_scale: 1}
 hand:
   cable: {interference: true, backlash_deg: 0.1}
   wear: {slack_mm_per_hour: [0], slack_mm_per_km: [0], snap: {cable: "", at_s: 0}}
@@ -54,7 +55,7 @@ TEST(RemovedSettings, WithoutEffectAreLeftOutAndNothingElse) {
 
 TEST(RemovedSettings, WithAnEffectAreRefusedWithWhatToUse) {
   EXPECT_THAT(ErrorOf(kOld, "slack_mm_per_hour: [0]", "slack_mm_per_hour: [2]"),
-              HasSubstr("old.yaml:12:29: hand.wear.slack_mm_per_hour: is [2], but this setting was "
+              HasSubstr("old.yaml:13:29: hand.wear.slack_mm_per_hour: is [2], but this setting was "
                         "removed: compare values of hand.cable.slack_mm"));
   EXPECT_THAT(ErrorOf(kOld, "finger_lag_ms: 15", "finger_lag_ms: 40"),
               HasSubstr("finger_lag_ms: is 40, but this setting was removed"));

@@ -456,7 +456,7 @@ std::string Dropped(const Summary& summary) {
   std::vector<std::string> dropped;
   for (const ControllerSummary& controller : summary.controllers) {
     const double share = controller.summary[metric].mean;
-    if (!(share > 0.0)) continue;
+    if (!(share > 0.0) || controller.failed_trials > 0) continue;
     dropped.push_back(fmt::format("with {} in {:.0f} %{}", controller.name, 100.0 * share,
                                   dropped.empty() ? " of trials" : ""));
   }
