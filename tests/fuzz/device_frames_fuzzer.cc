@@ -46,8 +46,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       if (!TextProblem(name).empty()) std::abort();
     }
     arrivals.Add(frame);
+    const double time_s = 1e-3 * static_cast<double>(frames);
     try {
-      if (channels.Counts(decoder->columns(), frame.values).size() != 2) std::abort();
+      if (channels.Counts(decoder->columns(), time_s, frame.values).size() != 2) std::abort();
     } catch (const UserError&) {  // columns of no glove
     }
   };
