@@ -14,9 +14,10 @@
 namespace gauntlet::sim::testing {
 namespace {
 
-const Crossing& OwnCrossing(const Cable& cable) {
-  return *std::find_if(cable.crossings.begin(), cable.crossings.end(),
-                       [](const Crossing& crossing) { return crossing.own; });
+/// Where the first cable of a motor crosses the joint of the motor's name.
+const Crossing& OwnCrossing(const mjModel& model, const Drive& drive) {
+  const int dof = model.jnt_dofadr[mj_name2id(&model, mjOBJ_JOINT, drive.name.c_str())];
+  return *std::ranges::find(drive.cables[0].crossings, dof, &Crossing::dof);
 }
 
 /// Error of the moved channel after 1.2 s at a goal, all others in the home posture [deg].
@@ -73,7 +74,7 @@ void PrintJoints() {
     fmt::print(
         "| `{}` | {:.0f} .. {:.0f} | {:.1f} | {:.0f} | {:.2f} | {:.0f} | {:.0f} | {:.0f} |\n",
         drive.name, map.joint_min_rad[motor] * kDegPerRad, map.joint_max_rad[motor] * kDegPerRad,
-        1e3 * std::abs(OwnCrossing(drive.cables[0]).moment_arm_m), 1e3 * drive.drum_radius_m,
+        1e3 * std::abs(OwnCrossing(hand->model(), drive).moment_arm_m), 1e3 * drive.drum_radius_m,
         drive.servo.stall_torque_nm, drive.servo.stall_torque_nm / drive.drum_radius_m,
         1e-3 * drive.cables[0].cord.stiffness_n_m, drive.cables[0].bend_rad * kDegPerRad);
   }
