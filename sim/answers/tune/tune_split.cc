@@ -161,7 +161,8 @@ TuneSplit SplitOf(const TunePlan& plan, int jobs) {
   std::vector<std::string> motions;
   for (const GloveFacts& facts : study.repetitions) motions.push_back(facts.motion_hash);
   std::ranges::sort(motions);
-  split.recordings = static_cast<int>(std::ranges::unique(motions).begin() - motions.begin());
+  split.recordings =
+      static_cast<int>(std::unique(motions.begin(), motions.end()) - motions.begin());
   const bool all_differ = split.recordings == repetitions;
   if (all_differ && plan.seeds + plan.held_out <= repetitions) {
     split.by = TuneSplit::By::kRecordings;
