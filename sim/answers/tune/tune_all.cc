@@ -112,7 +112,8 @@ std::size_t ChosenOf(const TunePlan& plan, const std::vector<TunedKind>& kinds, 
 }
 
 void JudgeKinds(const TunePlan& plan, std::vector<TunedKind>& kinds) {
-  std::ranges::stable_partition(kinds, &TunedKind::has_answer);
+  std::stable_partition(kinds.begin(), kinds.end(),
+                        [](const TunedKind& tuned) { return tuned.has_answer(); });
   const auto count = static_cast<std::size_t>(std::ranges::count_if(kinds, &TunedKind::has_answer));
   if (count == 0) return;
   const auto begin = kinds.begin();
