@@ -19,7 +19,7 @@ struct RemovedSetting {
 };
 
 const std::vector<RemovedSetting>& RemovedSettings() {
-  static const std::vector<RemovedSetting> settings = {
+  static const std::vector<RemovedSetting> kSettings = {
       {"glove.tremor", "shared_percent", {"50"}, "channels share half of the tremor's power"},
       {"glove.sensor", "low_percent", {"10"}, "give the counts of your glove by a column map"},
       {"glove.sensor", "high_percent", {"90"}, "give the counts of your glove by a column map"},
@@ -41,7 +41,7 @@ const std::vector<RemovedSetting>& RemovedSettings() {
       {"hand.wear.snap", "cable", {""}, "cables do not snap any more"},
       {"hand.wear.snap", "at_s", {}, ""},
   };
-  return settings;
+  return kSettings;
 }
 
 /// Groups that hold nothing but removed settings, inner ones first.
