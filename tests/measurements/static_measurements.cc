@@ -14,7 +14,7 @@
 namespace gauntlet::sim::testing {
 namespace {
 
-/// Where the first cable of a motor crosses the joint of the motor's name.
+/// Crossing of the first cable of a motor with the joint of the motor's name.
 const Crossing& OwnCrossing(const mjModel& model, const Drive& drive) {
   const int dof = model.jnt_dofadr[mj_name2id(&model, mjOBJ_JOINT, drive.name.c_str())];
   return *std::ranges::find(drive.cables[0].crossings, dof, &Crossing::dof);

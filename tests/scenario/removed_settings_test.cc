@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// What a finished run of 0.3.0 lists beside the settings that still exist.
+/// Settings that a finished run of 0.3.0 lists beside those that still exist.
 constexpr auto kOld = R"(question: Which?
 glove:
   motion:

@@ -79,7 +79,7 @@ TunedSetting TuneBench::Run(const std::vector<std::string>& values,
 
 void TuneBench::ScoreBlocks(const StudyResult& result, TunedSetting& setting) const {
   for (std::size_t m = 0; m < metrics_.size(); ++m) {
-    // Of each recording the values of its blocks, as means over its seeds.
+    // Values of the blocks of each recording, as means over its seeds.
     std::map<int, std::vector<std::vector<double>>> recordings;
     std::vector<double> whole;
     bool has_blocks = HasBlockValues(Metrics()[metrics_[m]]);
