@@ -59,6 +59,11 @@ TEST(RemovedSettings, WithAnEffectAreRefusedWithWhatToUse) {
                         "removed: compare values of hand.cable.slack_mm"));
   EXPECT_THAT(ErrorOf(kOld, "finger_lag_ms: 15", "finger_lag_ms: 40"),
               HasSubstr("finger_lag_ms: is 40, but this setting was removed"));
+  EXPECT_THAT(ErrorOf(kOld, "finger_lag_ms: 15", "finger_lag_ms: 0"),  // not that of a grasp
+              HasSubstr("glove.motion.finger_lag_ms: is 0, but this setting was removed"));
+  EXPECT_THAT(ErrorOf(kOld, "duration_s: 1", "duration_s: 1, finger_lag_ms: 15"),
+              HasSubstr("glove.motion.finger_lag_ms: is 15, but this setting was removed"));
+  EXPECT_EQ(ErrorOf(kOld, "duration_s: 1", "duration_s: 1, finger_lag_ms: 0"), "");
   EXPECT_THAT(ErrorOf(kOld, "cable: \"\"", "cable: index_mcp_flexor"),
               HasSubstr("hand.wear.snap.cable: is index_mcp_flexor"));
   EXPECT_EQ(ErrorOf(kOld, "clock_offset_ms: 30", "clock_offset_ms: 7"), "");

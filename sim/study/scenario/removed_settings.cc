@@ -30,7 +30,6 @@ const std::vector<RemovedSetting>& RemovedSettings() {
       {"glove.noise", "recording_longest_gap_ms", {}, ""},
       {"glove.noise", "recording_smoothing_hz", {}, ""},
       {"glove.noise", "recording_scale", {}, ""},
-      {"glove.motion", "finger_lag_ms", {"0", "15"}, "fingers of a grasp start 15 ms apart"},
       {"link.glove", "duplicates_percent", {}, ""},
       {"link.glove", "clock_offset_ms", {}, ""},
       {"link.hand", "duplicates_percent", {}, ""},
@@ -82,16 +81,19 @@ YamlNode Without(const RemovedSetting& setting, const YamlSource& source, const 
   return WithoutChild(group, setting.key);
 }
 
-/// A motion, and those that a sequence consists of.
-YamlNode WithoutInMotions(const RemovedSetting& setting, const YamlSource& source,
-                          const YamlNode& motion) {
-  YamlNode without = Without(setting, source, motion);
+/// A motion, and those that a sequence consists of. Fingers of a grasp start 15 ms apart, those of
+/// other motions together.
+YamlNode WithoutFingerLag(const YamlSource& source, const YamlNode& motion) {
+  const bool is_grasp = ChildOf(motion, "kind").text() == "grasp";
+  const RemovedSetting lag = {"glove.motion",
+                              "finger_lag_ms",
+                              {is_grasp ? "15" : "0"},
+                              is_grasp ? "it is always 15" : "it is always 0"};
+  YamlNode without = Without(lag, source, motion);
   const YamlNode& parts = ChildOf(without, "parts");
   if (!parts.IsSequence()) return without;
   std::vector<YamlNode> items;
-  for (const YamlNode& part : parts.items()) {
-    items.push_back(WithoutInMotions(setting, source, part));
-  }
+  for (const YamlNode& part : parts.items()) items.push_back(WithoutFingerLag(source, part));
   return WithChild(without, "parts", YamlNode::Sequence(std::move(items), parts.place()));
 }
 
@@ -101,10 +103,10 @@ void LeaveOutRemovedSettings(const YamlSource& source, YamlNode& root) {
   for (const RemovedSetting& setting : RemovedSettings()) {
     const YamlNode group = GroupAt(root, setting.group);
     if (!group.IsMap()) continue;
-    const YamlNode without = setting.group == "glove.motion"
-                                 ? WithoutInMotions(setting, source, group)
-                                 : Without(setting, source, group);
-    root = Replaced(root, setting.group, without);
+    root = Replaced(root, setting.group, Without(setting, source, group));
+  }
+  if (const YamlNode motion = GroupAt(root, "glove.motion"); motion.IsMap()) {
+    root = Replaced(root, "glove.motion", WithoutFingerLag(source, motion));
   }
   for (const std::string_view path : kRemovedGroups) {
     const std::size_t dot = path.rfind('.');
