@@ -129,7 +129,7 @@ FinishedStudy FinishedOf(Study study, std::shared_ptr<const GloveSignal> glove, 
   result.first_reference_rad = reference_rad;
   result.first_traces.push_back(std::move(trace));
   result.first_twins.resize(1);
-  result.first_without.resize(1);
+  result.first_others.resize(1);
   finished.summary = Summarise(finished.study, finished.result);
   return finished;
 }

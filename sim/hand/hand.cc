@@ -435,6 +435,15 @@ void Hand::ReadObjectInPalm(std::span<double> pose) const noexcept {
   std::copy_n(attitude, 4, pose.begin() + 3);
 }
 
+void Hand::ReadPalmVelocity(std::span<double> velocity_m_s) const noexcept {
+  const int palm = hand_model().moving_palm();
+  GAUNTLET_ASSERT(palm < 0 || velocity_m_s.size() == 3);
+  if (palm < 0) return;
+  mjtNum turning_and_moving[6];
+  mj_objectVelocity(&state_->physics, &data(), mjOBJ_XBODY, palm, turning_and_moving, 0);
+  std::copy_n(turning_and_moving + 3, 3, velocity_m_s.begin());
+}
+
 void Hand::ReadSaturation(std::span<std::uint8_t> saturated) const noexcept {
   GAUNTLET_ASSERT(saturated.size() == state_->saturated.size());
   std::copy(state_->saturated.begin(), state_->saturated.end(), saturated.begin());

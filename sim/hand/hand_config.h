@@ -67,7 +67,7 @@ struct HandConfig {
   std::string model_path;  // an MJCF file; empty: models/hand_arm.xml of the project
   double step_ms = 1.0;    // of the physics engine, at most; see LoopTiming
   ServoConfig servo;
-  ServoConfig arm_servo{.settings = StandardServo{}};  // no servo for fingers turns an elbow
+  ServoConfig arm_servo{.settings = MxServo{}};  // no servo for fingers turns an elbow
   /// On all friction of a motor: dry_friction and load_friction of its spool, capstan_friction of
   /// its cables. One for all motors, or one for each in the model's order.
   std::vector<double> motor_friction_scale = {1.0};

@@ -21,6 +21,13 @@ struct HandJoint {
   double reference_rad() const { return limited ? 0.5 * (min_rad + max_rad) : 0.0; }
 };
 
+/// Place of a joint in the way from the world to the fingertips.
+enum class JointGroup {
+  kFinger,  // moves a digit against the palm; of a hand without a palm, each joint
+  kWrist,   // moves the palm, by a motor of `hand.servo`
+  kArm,     // moves the palm, by a motor of `hand.arm_servo`
+};
+
 /// The hinges and slides of the model that neither carry a spool (`spool_qpos`) nor follow, in the
 /// model's order; also those that no cable moves.
 std::vector<HandJoint> FindJoints(const mjModel_& model, const std::vector<Follower>& followers,

@@ -282,6 +282,28 @@ GraspParts NumberedAsIn(const PhysicsModel& physics, GraspParts grasp) {
   return grasp;
 }
 
+/// `palm`: body of the model; below 0: none.
+std::vector<JointGroup> GroupsOf(const mjModel& model, int palm,
+                                 const std::vector<HandJoint>& joints,
+                                 const std::vector<Drive>& drives,
+                                 const controller::TendonTransmission& transmission) {
+  constexpr auto kArmKey = "hand.arm_servo";
+  std::vector<JointGroup> groups(joints.size(), JointGroup::kFinger);
+  for (std::size_t joint = 0; joint < joints.size(); ++joint) {
+    int body = palm;
+    while (body > 0 && body != model.jnt_bodyid[joints[joint].joint]) {
+      body = model.body_parentid[body];
+    }
+    if (body <= 0) continue;
+    groups[joint] = JointGroup::kWrist;
+    for (std::size_t motor = 0; motor < drives.size(); ++motor) {
+      const bool moves = transmission.coupling[motor * joints.size() + joint] != 0.0;
+      if (moves && drives[motor].servo_key == kArmKey) groups[joint] = JointGroup::kArm;
+    }
+  }
+  return groups;
+}
+
 }  // namespace
 
 std::vector<MotorInModel> ReadMotors(const std::filesystem::path& path) {
@@ -366,7 +388,10 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   if (grasp_.exists()) grasp_in_physics_ = NumberedAsIn(*physics_, grasp_);
   std::vector<int> bodies(model_->nbody);
   for (int body = 0; body < model_->nbody; ++body) bodies[body] = physics_->BodyOf(body);
-  digits_ = Digits(*model_, mj_name2id(model_.get(), mjOBJ_BODY, "palm"), bodies);
+  const int palm = mj_name2id(model_.get(), mjOBJ_BODY, "palm");
+  digits_ = Digits(*model_, palm, bodies);
+  joint_groups_ = GroupsOf(*model_, palm, joints_, drives_, transmission_);
+  if (palm >= 0 && model_->body_weldid[palm] != 0) moving_palm_ = bodies[palm];
 }
 
 std::string HandModel::NameOfJointAt(int qpos) const { return JointNameAt(*model_, qpos); }

@@ -65,6 +65,9 @@ class HandModel {
   const GraspParts& grasp() const { return grasp_; }
   const GraspParts& grasp_in_physics() const { return grasp_in_physics_; }
   const Digits& digits() const { return digits_; }
+  const std::vector<JointGroup>& joint_groups() const { return joint_groups_; }
+  /// Body of the physics model that carries the digits; -1 where it stands still, or there is none.
+  int moving_palm() const { return moving_palm_; }
 
   /// Parts of the model's file that were left out, a sentence each; see ReadModelText().
   const std::vector<std::string>& notes() const { return notes_; }
@@ -93,6 +96,8 @@ class HandModel {
   GraspParts grasp_;
   GraspParts grasp_in_physics_;
   Digits digits_;
+  std::vector<JointGroup> joint_groups_;
+  int moving_palm_ = -1;
   std::vector<std::string> cable_names_;
   controller::TendonTransmission transmission_;
   controller::TendonTransmission as_built_;

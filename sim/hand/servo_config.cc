@@ -166,6 +166,27 @@ OrcaServo::OrcaServo() {
   current_limit_ma = 300.0;
 }
 
+// Motor and friction: Rhoban/bam, mx106, model M3: kt 2.20 V s, R 2.65 ohm, 0.0248 kg m2, friction
+// 0.113 N m and 0.11 of the load; its gain and largest duty by oscilloscope. At 15 V, as there, 12 N
+// m at stall: the arm's motors are 1.3 and 3.2 of them. ROBOTIS e-manual of MX-106: 4096 steps a
+// turn, backlash of 20 minutes of arc.
+MxServo::MxServo() {
+  resolution_bits = 12;
+  travel_deg = 360.0;
+  frame_ms = 5.0;  // as above
+  free_running = true;
+  dead_time_ms = 2.0;  // as above
+  sensor_bits = 12;
+  dead_band_deg = 0.0;
+  full_torque_error_deg = 10.9;  // bam: duty 0.158 x 32 per rad, at most 0.9625
+  damping_ms = 29.0;             // back-EMF
+  no_load_speed_deg_s = 375.0;   // bam; e-manual: 330 at 14.8 V
+  inertia_scale = 1.6;           // bam: 2.1e-3 kg m2 for each N m of stall torque
+  friction_scale = 1.0;          // bam: 0.94 % of the stall torque
+  load_friction = 0.11;          // bam
+  play_deg = 0.33;               // e-manual
+}
+
 const ServoNumbers& ServoConfig::numbers() const {
   return std::visit([](const ServoNumbers& numbers) -> const ServoNumbers& { return numbers; },
                     settings);

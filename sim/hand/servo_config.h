@@ -119,10 +119,18 @@ struct OrcaServo : DynamixelServo {
   OrcaServo();
 };
 
+/// Servos of elbow and shoulder, in parallel as far as the model's stall torque needs them.
+struct MxServo : ServoNumbers {
+  static constexpr std::string_view kKind = "dynamixel_mx";
+  static constexpr std::string_view kSummary =
+      "a serial bus servo for arms, as MX-106 with its maker's gain";
+  MxServo();
+};
+
 /// Every kind of servo that there is. To add one: a struct of its numbers, and one entry here.
 class ServoSettings
     : public std::variant<StandardServo, IdealServo, RcAnalogServo, RcDigitalServo, BusServo,
-                          DynamixelServo, StiffDynamixelServo, LeapServo, OrcaServo> {
+                          DynamixelServo, StiffDynamixelServo, LeapServo, OrcaServo, MxServo> {
  public:
   using variant::variant;
   ServoSettings();

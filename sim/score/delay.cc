@@ -20,6 +20,8 @@ constexpr double kBefore_s = 0.1;
 constexpr double kAfter_s = 1.0;
 constexpr double kSideRate_hz = 100.0;  // of the autocorrelation; hands move below 10 Hz
 constexpr double kLeastSidePeak = 0.5;
+/// The second side peak lies within this share of the period of twice the period.
+constexpr double kSecondSidePeakWithin = 0.15;
 /// A maximum is flat if correlations so near to it are so far from each other.
 constexpr double kFlatWithin = 1e-4;
 constexpr double kFlatFrom_s = 0.06;
@@ -261,17 +263,26 @@ std::optional<double> RepeatPeriod_s(std::span<const double> motion, double rate
   const Eigen::Map<const Eigen::MatrixXd> blocks(motion.data() + longest.begin, step, samples);
   const Eigen::VectorXd means = blocks.colwise().mean();
   const std::span<const double> values(means.data(), static_cast<std::size_t>(samples));
+  const int bound =
+      std::min(samples - 1, static_cast<int>((2.0 + kSecondSidePeakWithin) * most) + 1);
   const std::vector<double> both_sides =
-      CorrelationsUpTo(most, values, values, {{0, samples}}, fourier);
+      CorrelationsUpTo(bound, values, values, {{0, samples}}, fourier);
   if (both_sides.empty()) return std::nullopt;
-  const std::span<const double> side = std::span(both_sides).subspan(most);
+  const std::span<const double> both = std::span(both_sides).subspan(bound);
+  const std::span<const double> side = both.first(most + 1);
   const auto is_high = [](double r) { return r > kLeastSidePeak; };
   const auto fallen = std::find_if_not(side.begin(), side.end(), is_high);
   const auto begin = std::find_if(fallen, side.end(), is_high);
   const auto end = std::find_if_not(begin, side.end(), is_high);
   const auto peak = std::max_element(begin, end);
   if (peak == side.end() || peak + 1 == side.end()) return std::nullopt;
-  return static_cast<double>(peak - side.begin()) * step / rate_hz;
+  const auto period = static_cast<double>(peak - side.begin());
+  const auto second_begin = static_cast<int>(std::ceil((2.0 - kSecondSidePeakWithin) * period));
+  const auto second_end = static_cast<int>(std::floor((2.0 + kSecondSidePeakWithin) * period)) + 1;
+  if (std::ranges::none_of(both.subspan(second_begin, second_end - second_begin), is_high)) {
+    return std::nullopt;
+  }
+  return period * step / rate_hz;
 }
 
 std::optional<double> DelaySamples(std::span<const double> leader, std::span<const double> follower,

@@ -18,6 +18,12 @@ namespace gauntlet::sim {
 FilteredSignal Trembling(const Signal& angle_rad, double rate_hz, double above_hz,
                          Fourier& fourier);
 
+/// RMS of an acceleration above an edge, from a velocity: its difference from tick to tick, behind
+/// the same high pass. The square is the sum over its directions. Shape: ticks x directions.
+/// kNoScore where no tick counts, or the signal is too short.
+double AccelerationAbove(const Signal& velocity, double rate_hz, double above_hz,
+                         const CountedTicks& counted, Fourier& fourier);
+
 /// The ticks in whose jitter only ticks that count have a share: of each range all but the reach
 /// of the high pass at both ends; none of one that is too short.
 CountedTicks TremblingWithin(const CountedTicks& counted, double rate_hz, double above_hz);

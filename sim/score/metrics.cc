@@ -11,6 +11,7 @@
 #include "sim/score/fingertip_error.h"
 #include "sim/score/grasp.h"
 #include "sim/score/grip.h"
+#include "sim/score/jitter.h"
 #include "sim/score/motors.h"
 #include "sim/score/no_score.h"
 #include "sim/score/steps.h"
@@ -86,6 +87,8 @@ constexpr RelevantDifference kVisibleTrembling = {
     .reason =
         "0.14 deg to and fro move a fingertip 9 cm away by 0.2 mm; an eye resolves 0.15 mm "
         "from half a metre (1 minute of arc)"};
+constexpr RelevantDifference kPalmVibration = {
+    .absolute = 0.1, .relative = 0.1, .reason = "a tenth, and not less than 0.1: a convention"};
 constexpr RelevantDifference kNoticedDelay = {
     .absolute = 5.0,
     .reason =
@@ -468,6 +471,54 @@ constexpr MetricRow kRows[] = {
      [](const ScoredHand& h) {
        return h.fingertips.exist() ? Millimetres(PinchDistanceError(h.fingertips, h.counted))
                                    : kNoScore;
+     }},
+    {{.key = "finger_jitter_rms_deg",
+      .name = "finger jitter",
+      .unit = "deg RMS",
+      .help = "jitter_rms_deg of the joints of fingers and thumb",
+      .definition = "mean of jitter_rms_deg over the measured joints between palm and fingertips",
+      .detailed = true,
+      .relevant_difference = kVisibleTrembling},
+     [](const ScoredHand& h) { return kDegPerRad * h.JitterOf_rad(ScoredGroup::kFinger); }},
+    {{.key = "wrist_jitter_rms_deg",
+      .name = "wrist jitter",
+      .unit = "deg RMS",
+      .help = "jitter_rms_deg of the joints of wrist and forearm",
+      .definition = "the same over joints that move the palm, with motors of hand.servo",
+      .detailed = true,
+      .relevant_difference = kVisibleTrembling},
+     [](const ScoredHand& h) { return kDegPerRad * h.JitterOf_rad(ScoredGroup::kWrist); }},
+    {{.key = "arm_jitter_rms_deg",
+      .name = "arm jitter",
+      .unit = "deg RMS",
+      .help = "jitter_rms_deg of elbow and shoulder",
+      .definition = "the same over joints that move the palm, with motors of hand.arm_servo",
+      .detailed = true,
+      .relevant_difference = kVisibleTrembling},
+     [](const ScoredHand& h) { return kDegPerRad * h.JitterOf_rad(ScoredGroup::kArm); }},
+    {{.key = "arm_share_of_finger_jitter",
+      .help = "share of finger jitter that is not there with an arm at rest",
+      .definition = "1 - finger_jitter_rms_deg of the same trial in which the joints of "
+                    "hand.arm_servo hold their first posture / finger_jitter_rms_deg; below 0 "
+                    "where the arm calms the fingers",
+      .needs_causes = true,
+      .relevant_difference = kShareOfTime},
+     [](const ScoredHand& h) {
+       return 1.0 - h.JitterWithoutArm_rad() / h.JitterOf_rad(ScoredGroup::kFinger);
+     }},
+    {{.key = "palm_acceleration_m_s2",
+      .name = "palm vibration",
+      .unit = "m/s2 RMS",
+      .help = "RMS of the palm's acceleration above score.jitter_above_hz (10 Hz)",
+      .definition = "sqrt(sum over x, y, z of mean(a^2)), a the difference of the palm's velocity "
+                    "from tick to tick, behind the high pass of jitter_rms_deg",
+      .detailed = true,
+      .relevant_difference = kPalmVibration},
+     [](const ScoredHand& h) {
+       return h.palm_velocity_m_s == nullptr
+                  ? kNoScore
+                  : AccelerationAbove(*h.palm_velocity_m_s, h.rate_hz, h.jitter_above_hz, h.counted,
+                                      h.fourier);
      }},
     {{.key = "digit_overlap_share",
       .help = "share of time with interpenetration of fingers",

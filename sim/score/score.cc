@@ -72,6 +72,11 @@ void CheckShapes(const ScoreInput& input, const ScoreRows& table) {
   CheckFingertips(input.fingertips, rows);
   Check(fits(input.digit_overlap_m, 1),
         "the overlap of digits is no column as long as the hand's angles");
+  Check(fits(input.palm_velocity_m_s, 3), "the palm's velocity has other columns, or is shorter");
+  Check(fits(input.arm_at_rest_angle_rad, table.joints.size()),
+        "the hand with the arm at rest has another shape than the hand");
+  Check(table.joint_groups.empty() || table.joint_groups.size() == table.joints.size(),
+        "a group is needed per joint");
   Check(fits(input.sample_age_s, 1) && fits(input.watchdog_tier, 1) &&
             (input.sample_age_s == nullptr) == (input.watchdog_tier == nullptr),
         "age of the samples and watchdog tier are two columns as long as the hand's angles");
@@ -220,11 +225,14 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
     TrimSignals();
   }
   scores.summary = MeansOver(scores.channels);
-  Score(ScoredHand{.rate_hz = input.rate_hz,
+  Score(ScoredHand{.all = all,
+                   .joint_groups = table.joint_groups,
+                   .rate_hz = input.rate_hz,
                    .jitter_above_hz = input.jitter_above_hz,
                    .grip_force_n = ColumnOrNothing(input.grip_force_n, 0, rows),
                    .grasp = GraspOf(input, rows),
                    .fingertips = input.fingertips,
+                   .palm_velocity_m_s = input.palm_velocity_m_s,
                    .digit_overlap_m = ColumnOrNothing(input.digit_overlap_m, 0, rows),
                    .link = {.sample_age_s = ColumnOrNothing(input.sample_age_s, 0, rows),
                             .watchdog_tier = ColumnOrNothing(input.watchdog_tier, 0, rows),

@@ -20,6 +20,9 @@ namespace gauntlet::sim {
 /// Part that a score is measured on.
 enum class ScoredPart { kJoint, kMotor, kCable, kHand };
 
+/// Groups of joints whose jitter is told apart.
+enum class ScoredGroup { kFinger, kWrist, kArm };
+
 /// The rows of a table of scores: every scored joint, motor and cable, once by name. A motor that
 /// is called like a joint shares its row, as no score is of both.
 struct ScoreRows {
@@ -32,6 +35,7 @@ struct ScoreRows {
   std::vector<std::size_t> joints;
   std::vector<std::size_t> motors;
   std::vector<std::size_t> cables;
+  std::vector<ScoredGroup> joint_groups = {};  // per joint; empty: not told apart
 };
 
 /// The signals of one trial that scores are made of, columns of scored parts only. Views: the owner
@@ -49,6 +53,8 @@ struct ScoreInput {
   const Signal* object_pose = nullptr;            // ticks x 7, see GraspSignals
   const Signal* object_in_palm = nullptr;         // ticks x 7
   double object_friction = 0.0;                   // coefficient between hand and object
+  const Signal* palm_velocity_m_s = nullptr;      // ticks x 3, in the world
+  const Signal* arm_at_rest_angle_rad = nullptr;  // ticks x joints: the hand while the arm rests
   const Signal* digit_overlap_m = nullptr;        // ticks x 1: of the digits that are deepest
   const Signal* sample_age_s = nullptr;           // ticks x 1, see LinkSignals; null without links
   const SignalOf<std::uint8_t>* watchdog_tier = nullptr;  // ticks x 1

@@ -43,7 +43,29 @@ AllJoints::AllJoints(const ScoreInput& scored, Fourier& fourier)
       trembling([this, &fourier] {
         return Trembling(*input.hand_angle_rad, input.rate_hz, input.jitter_above_hz, fourier);
       }),
+      trembling_at_rest([this, &fourier] {
+        if (input.arm_at_rest_angle_rad == nullptr) return FilteredSignal();
+        return Trembling(*input.arm_at_rest_angle_rad, input.rate_hz, input.jitter_above_hz,
+                         fourier);
+      }),
       noise_jitter_rad([this, &fourier] { return NoiseJitter(*this, fourier); }) {}
+
+double AllJoints::GroupJitter_rad(const FilteredSignal& jitter, std::span<const ScoredGroup> groups,
+                                  ScoredGroup group) const {
+  double sum_rad = 0.0;
+  int joints = 0;
+  for (int joint = 0; joint < std::ssize(groups); ++joint) {
+    if (groups[joint] != group || jitter.values.rows() == 0) continue;
+    const CountedTicks counted = TremblingWithin(CountedOf(&CountedParts::joints, joint),
+                                                 input.rate_hz, input.jitter_above_hz);
+    const double rms_rad =
+        RmsWithin(Column(jitter.values, joint, jitter.values.rows()), jitter.first_sample, counted);
+    if (!std::isfinite(rms_rad)) continue;
+    sum_rad += rms_rad;
+    ++joints;
+  }
+  return joints == 0 ? kNoScore : sum_rad / joints;
+}
 
 CountedTicks AllJoints::CountedOf(const std::vector<CountedTicks> CountedParts::*parts,
                                   int part) const {

@@ -45,9 +45,13 @@ struct AllJoints {
   /// Counted ticks of a part: its own, or all where nothing is left out.
   CountedTicks CountedOf(const std::vector<CountedTicks> CountedParts::*parts, int part) const;
   CountedTicks CountedOfHand() const;
+  /// Mean over the joints of a group of the RMS of their jitter; kNoScore for a group without one.
+  double GroupJitter_rad(const FilteredSignal& jitter, std::span<const ScoredGroup> groups,
+                         ScoredGroup group) const;
 
   const ScoreInput& input;
   Lazy<FilteredSignal> trembling;              // of the hand above jitter_above_hz
+  Lazy<FilteredSignal> trembling_at_rest;      // while the arm rests; no rows: not known
   Lazy<std::vector<double>> noise_jitter_rad;  // RMS of what noise adds to it; empty: not known
 };
 
@@ -107,15 +111,26 @@ struct ScoredCable {
 
 /// Signals of the hand as a whole; empty where it holds nothing, or has no digits.
 struct ScoredHand {
+  const AllJoints& all;
+  std::span<const ScoredGroup> joint_groups;
   double rate_hz;
   double jitter_above_hz;
   std::span<const double> grip_force_n;
   GraspSignals grasp;
   FingertipSignals fingertips;
+  const Signal* palm_velocity_m_s;
   std::span<const double> digit_overlap_m;
   LinkSignals link;
   CountedTicks counted;
   Fourier& fourier;
+
+  double JitterOf_rad(ScoredGroup group) const {
+    return all.GroupJitter_rad(all.trembling(), joint_groups, group);
+  }
+  /// Jitter of the fingers in the trial in which the arm rests; kNoScore: not known.
+  double JitterWithoutArm_rad() const {
+    return all.GroupJitter_rad(all.trembling_at_rest(), joint_groups, ScoredGroup::kFinger);
+  }
 };
 
 }  // namespace gauntlet::sim

@@ -6,6 +6,7 @@
 
 #include "sim/base/error.h"
 #include "sim/trial/filter_trial.h"
+#include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_recorder.h"
 
 namespace gauntlet::sim {
@@ -41,6 +42,27 @@ GloveConfig WithoutErrors(GloveConfig config) {
                               .hysteresis_deg = 0.0};
   config.sensor = exact;
   return WithoutNoise(std::move(config));
+}
+
+bool HasArm(const HandModel& hand) {
+  return std::ranges::count(hand.joint_groups(), JointGroup::kArm) > 0;
+}
+
+/// A map by which the joints of the arm hold the wearer's first posture.
+controller::JointMapConfig WithArmAtRest(const Study& study, const GloveSignal& glove) {
+  const HandModel& hand = *study.hand;
+  const Signal first_rad = ReferenceAngles(study.joint_map(), glove.true_angle_rad.topRows(1));
+  controller::JointMapConfig map = study.scenario.joint_map;
+  for (std::size_t joint = 0; joint < hand.joint_groups().size(); ++joint) {
+    if (hand.joint_groups()[joint] != JointGroup::kArm) continue;
+    const auto place = static_cast<Eigen::Index>(joint);
+    controller::JointSource at_rest = {.joint = hand.joint_names()[joint],
+                                       .channels = {},
+                                       .offset_deg = kDegPerRad * first_rad(0, place)};
+    const auto old = std::ranges::find(map.joints, at_rest.joint, &controller::JointSource::joint);
+    (old == map.joints.end() ? map.joints.emplace_back() : *old) = std::move(at_rest);
+  }
+  return map;
 }
 
 bool UsesGloveAsItIs(const controller::ControllerConfig& config) {
@@ -80,13 +102,13 @@ bool HaveJitter(LinksConfig links) {
 
 }  // namespace
 
-int CauseTrialsOf(const Scenario& scenario) {
+int CauseTrialsOf(const Study& study) {
   int most_links = 0;
-  for (const NamedController& named : scenario.controllers) {
-    const LinksConfig links = LinksOf(scenario, named);
+  for (const NamedController& named : study.scenario.controllers) {
+    const LinksConfig links = LinksOf(study.scenario, named);
     most_links = std::max(most_links, int{HaveLoss(links)} + int{HaveJitter(links)});
   }
-  return kCauseHands + most_links;
+  return kCauseHands + most_links + int{HasArm(*study.hand)};
 }
 
 std::shared_ptr<const HandModel> CauseTrials::HandWithout(ErrorCause cause, bool keeps_events) {
@@ -105,7 +127,7 @@ std::shared_ptr<const HandModel> CauseTrials::HandWithout(ErrorCause cause, bool
 CauseAngles CauseTrials::Run(const NamedController& named, int seed, const GloveSignal& glove,
                              const Signal& noise_free,
                              const std::function<bool(double)>& progress) {
-  CauseAngles without;
+  CauseAngles angles;
   const bool is_known = noise_free.cols() > 0;
   const GloveConfig& config = GloveOf(study_.scenario, seed);
   GloveSignal other;
@@ -124,8 +146,13 @@ CauseAngles CauseTrials::Run(const NamedController& named, int seed, const Glove
     return trace.health.ok ? std::move(trace.hand_angle_rad) : Signal();
   };
   const auto of = [&](ErrorCause cause) -> Signal& {
-    return without[static_cast<std::size_t>(cause)];
+    return angles.without[static_cast<std::size_t>(cause)];
   };
+  if (HasArm(*study_.hand)) {
+    setup.joint_map = WithArmAtRest(study_, glove);
+    angles.arm_at_rest = run();
+    setup.joint_map = study_.scenario.joint_map;
+  }
   if (is_known) {
     of(ErrorCause::kNoise) = noise_free;
     if (UsesGloveAsItIs(setup.controller)) {
@@ -153,7 +180,7 @@ CauseAngles CauseTrials::Run(const NamedController& named, int seed, const Glove
   }
   Trace rest = RunFilterTrial(setup, *used);
   if (rest.health.ok) of(ErrorCause::kRest) = std::move(rest.hand_angle_rad);
-  return without;
+  return angles;
 }
 
 }  // namespace gauntlet::sim

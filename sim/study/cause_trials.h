@@ -14,11 +14,11 @@ namespace gauntlet::sim {
 /// Trials for the causes of the error that are no link, per controller and seed, without the
 /// noise-free one.
 inline constexpr int kCauseHands = 5;
-/// Those and the trials for the links of a scenario.
-int CauseTrialsOf(const Scenario& scenario);
+/// Those and the trials for the links of a scenario, and for the arm of its hand.
+int CauseTrialsOf(const Study& study);
 
 /// The trials in which one cause of the error after the other is taken away, in the order of
-/// ErrorCause. Any thread may call it.
+/// ErrorCause, and the one in which the arm rests. Any thread may call it.
 class CauseTrials {
  public:
   explicit CauseTrials(const Study& study) : study_(study) {}

@@ -39,6 +39,18 @@ bool Has(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
 
+ScoredGroup ScoredGroupOf(JointGroup group) {
+  switch (group) {
+    case JointGroup::kWrist:
+      return ScoredGroup::kWrist;
+    case JointGroup::kArm:
+      return ScoredGroup::kArm;
+    case JointGroup::kFinger:
+      break;
+  }
+  return ScoredGroup::kFinger;
+}
+
 /// Fills in which parts of the hand count.
 void FindMeasuredParts(Study& study) {
   const controller::TendonTransmission& hand = study.hand->transmission();
@@ -62,6 +74,9 @@ void FindMeasuredParts(Study& study) {
   study.rows =
       ScoreRows(study.measured_joint_names, Selected(hand.motor_names, study.measured_motors),
                 Selected(study.hand->cable_names(), study.measured_cables));
+  for (const int joint : study.measured_joints) {
+    study.rows.joint_groups.push_back(ScoredGroupOf(study.hand->joint_groups()[joint]));
+  }
 }
 
 /// Joints that no channel moves and the scenario does not hold stand as those of an open hand: in

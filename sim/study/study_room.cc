@@ -34,15 +34,16 @@ Needs NeedsOf(const Study& study, const StudyOptions& options) {
   const double controllers =
       options.keep_first_traces ? static_cast<double>(study.scenario.controllers.size()) : 0.0;
   const double others = options.seeds > 1 || !options.keep_first_traces ? options.jobs : 0;
-  constexpr double kObjectAndDigits = 18.0;
+  constexpr double kObjectDigitsAndPalm = 21.0;
   const bool twins = study.scenario.score.noise_free_twin;
   // Columns of numbers with a row per tick.
   const double glove = (twins ? 6.0 : 3.0) * channels + joints;
   const double twin = twins ? joints + motors : 0.0;
-  const double causes =
-      options.causes == CauseSeeds::kNone ? 0.0 : static_cast<double>(kCauseTrialCount) * joints;
-  const double trace =
-      2.0 * channels + 2.0 * joints + 2.625 * motors + cables + kObjectAndDigits + twin + causes;
+  const double causes = options.causes == CauseSeeds::kNone
+                            ? 0.0
+                            : static_cast<double>(kCauseTrialCount + 1) * joints;
+  const double trace = 2.0 * channels + 2.0 * joints + 2.625 * motors + cables +
+                       kObjectDigitsAndPalm + twin + causes;
   const double in_passing =
       9.0 * joints + 0.5 * motors;  // what the scores or the page make and forget
   const double kept = glove + controllers * trace;

@@ -106,7 +106,7 @@ class StudyRun {
     if (options.keep_first_traces) {
       result_.first_traces.resize(controllers);
       result_.first_twins.resize(controllers);
-      result_.first_without.resize(controllers);
+      result_.first_others.resize(controllers);
     }
   }
 
@@ -148,7 +148,7 @@ class StudyRun {
   }
   int TrialsOf(std::size_t seed_index) const {
     return (WantedTwin(result_.seeds[seed_index].seed) == TwinSource::kTrial ? 2 : 1) +
-           (WantsCauses(seed_index) ? CauseTrialsOf(study_.scenario) : 0);
+           (WantsCauses(seed_index) ? CauseTrialsOf(study_) : 0);
   }
 
   /// Unless they are there; a thread that needs them meanwhile waits.
@@ -206,15 +206,15 @@ class StudyRun {
     if (twin_source == TwinSource::kItself) twin = AsTwin(trace);
     outcome.health = trace.health;
     const NamedController& named = study_.scenario.controllers[controller_index];
-    CauseAngles without;
+    CauseAngles others;
     if (WantsCauses(seed_index) && trace.health.ok) {
-      without = cause_trials_.Run(named, SeedOf(task), *glove.signal,
-                                  twin ? twin->hand_angle_rad : Signal(),
-                                  [this](double trials) { return Progress(trials); });
+      others = cause_trials_.Run(named, SeedOf(task), *glove.signal,
+                                 twin ? twin->hand_angle_rad : Signal(),
+                                 [this](double trials) { return Progress(trials); });
     }
     const auto score = [&](const CountedTicks& left_out) {
       return ScoreTrial(study_, named.config, *glove.signal, glove.reference_rad, trace, twin,
-                        options_.scores, without, left_out);
+                        options_.scores, others, left_out);
     };
     const std::size_t repetition = seed_index % study_.repetitions.size();
     CountedTicks left_out =
@@ -234,7 +234,7 @@ class StudyRun {
     if (keep) {
       result_.first_traces[controller_index] = std::move(trace);
       result_.first_twins[controller_index] = std::move(twin);
-      result_.first_without[controller_index] = std::move(without);
+      result_.first_others[controller_index] = std::move(others);
     }
     FinishTrial(seed_index, controller_index);
   }
@@ -354,7 +354,7 @@ TwinSource TwinOf(const Study& study, int seed) {
 int TrialCount(const Study& study, int seeds, CauseSeeds causes) {
   int count = causes == CauseSeeds::kNone
                   ? 0
-                  : CauseTrialsOf(study.scenario) * (causes == CauseSeeds::kAll ? seeds : 1);
+                  : CauseTrialsOf(study) * (causes == CauseSeeds::kAll ? seeds : 1);
   for (int i = 0; i < seeds; ++i) {
     count += TwinOf(study, study.scenario.seed + i) == TwinSource::kTrial ? 2 : 1;
   }

@@ -123,8 +123,8 @@ std::vector<std::string_view> SignalsOf(ScoredPart part) {
     case ScoredPart::kCable:
       return {"tension_n"};
     case ScoredPart::kHand:
-      return {"grip_force_n",    "object_pose",  "object_in_palm", "object_force_n",
-              "digit_overlap_m", "sample_age_s", "watchdog_tier"};
+      return {"grip_force_n",      "object_pose",     "object_in_palm", "object_force_n",
+              "palm_velocity_m_s", "digit_overlap_m", "sample_age_s",   "watchdog_tier"};
   }
   return {};
 }
@@ -209,7 +209,7 @@ std::vector<std::string_view> SignalsOfScores(std::span<const std::size_t> metri
 Scores ScoreTrial(const Study& study, const controller::ControllerConfig& controller,
                   const GloveSignal& glove, const Signal& reference_rad, const Trace& trace,
                   const std::optional<NoiseFreeTwin>& twin, std::span<const std::size_t> metrics,
-                  const CauseAngles& without, std::span<const TickRange> left_out) {
+                  const CauseAngles& others, std::span<const TickRange> left_out) {
   const Columns reference(reference_rad, study.measured_joints);
   const Columns hand(trace.hand_angle_rad, study.measured_joints);
   const std::optional<CountedParts> counted =
@@ -231,6 +231,7 @@ Scores ScoreTrial(const Study& study, const controller::ControllerConfig& contro
   input.object_pose = Recorded(trace.object_pose);
   input.object_in_palm = Recorded(trace.object_in_palm);
   input.object_friction = study.hand->config().object.friction;
+  input.palm_velocity_m_s = Recorded(trace.palm_velocity_m_s);
   input.digit_overlap_m = Recorded(trace.digit_overlap_m);
   input.sample_age_s = Recorded(trace.sample_age_s);
   input.watchdog_tier = Recorded(trace.watchdog_tier);
@@ -243,11 +244,13 @@ Scores ScoreTrial(const Study& study, const controller::ControllerConfig& contro
   }
   input.segments = glove.segments;
   std::array<std::optional<Columns<Signal>>, kCauseTrialCount> measured_without;
-  for (std::size_t i = 0; i < without.size(); ++i) {
-    if (without[i].cols() == 0) continue;
-    measured_without[i].emplace(without[i], study.measured_joints);
+  for (std::size_t i = 0; i < kCauseTrialCount; ++i) {
+    if (others.without[i].cols() == 0) continue;
+    measured_without[i].emplace(others.without[i], study.measured_joints);
     input.without[i] = &**measured_without[i];
   }
+  const RecordedColumns<Signal> arm_at_rest(others.arm_at_rest, study.measured_joints);
+  input.arm_at_rest_angle_rad = arm_at_rest.get();
   input.earliest_delay_s = EarliestDelay_s(*study.hand, controller);
   input.jitter_above_hz = study.scenario.score.jitter_above_hz;
   return WithoutSign(ComputeScores(input, study.rows, metrics));

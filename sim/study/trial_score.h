@@ -15,13 +15,13 @@ std::vector<std::string_view> SignalsOfScores(std::span<const std::size_t> metri
 
 /// The scores of one trial of the study, of the parts of the hand that count. `reference_rad` are
 /// the true angles as the hand's joints have them [ticks x joints]; `twin` is the same trial
-/// without noise, if there is one, and `without` those without causes of the error: see ScoreInput.
+/// without noise, if there is one, and `others` those without causes of the error: see ScoreInput.
 /// `metrics`: as of ComputeScores(). A signal that was not recorded is missing there, too. Ticks
 /// `left_out` do not count, but in the share of saturation.
 Scores ScoreTrial(const Study& study, const controller::ControllerConfig& controller,
                   const GloveSignal& glove, const Signal& reference_rad, const Trace& trace,
                   const std::optional<NoiseFreeTwin>& twin,
-                  std::span<const std::size_t> metrics = {}, const CauseAngles& without = {},
+                  std::span<const std::size_t> metrics = {}, const CauseAngles& others = {},
                   std::span<const TickRange> left_out = {});
 
 /// Takes the angles of a trial block by block, where the tracking error alone is wanted.

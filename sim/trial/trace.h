@@ -38,6 +38,7 @@ struct Trace {
   Signal tension_n;              // ticks x cables
   Signal grip_force_n;           // ticks x 1; no columns without an object
   Signal digit_overlap_m;        // ticks x 1; no columns without digits
+  Signal palm_velocity_m_s;      // ticks x 3, in the world; no columns where the palm stands still
   Signal object_pose;            // ticks x 7: position [m] and quaternion; as above
   Signal object_in_palm;         // the same in the frame of the palm
   Signal object_force_n;         // ticks x 2: carried by the hand, by the support; as above
@@ -60,6 +61,9 @@ inline constexpr std::string_view kTwinSignals[] = {"hand_angle_rad", "spool_spe
 /// The hand's angles of the trials in which one cause of the error after the other is taken away,
 /// see ErrorCause: the last are what the controller asks for. Ticks x joints; without columns where
 /// a cause cannot be taken away.
-using CauseAngles = std::array<Signal, kCauseTrialCount>;
+struct CauseAngles {
+  std::array<Signal, kCauseTrialCount> without;
+  Signal arm_at_rest;  // of the trial in which nothing is wrong but that the arm stands still
+};
 
 }  // namespace gauntlet::sim

@@ -247,7 +247,7 @@ TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal&
 
 TraceWriter::~TraceWriter() = default;
 
-void TraceWriter::Add(const Trace& trace, const NoiseFreeTwin* twin, const CauseAngles& without) {
+void TraceWriter::Add(const Trace& trace, const NoiseFreeTwin* twin, const CauseAngles& angles) {
   Guarded(state_->target, [&] {
     H5::Group group = state_->file->createGroup("controllers/" + trace.controller_name);
     const auto write = [&](std::string_view name, std::string_view unit, TraceColumns columns,
@@ -269,9 +269,10 @@ void TraceWriter::Add(const Trace& trace, const NoiseFreeTwin* twin, const Cause
     static_assert(std::size(kWithout) == kCauseTrialCount - 2);
     for (std::size_t i = 0; i < std::size(kWithout); ++i) {
       write(fmt::format("without_{}_hand_angle_rad", kWithout[i]), "rad", TraceColumns::kJoints,
-            without[i + 1]);
+            angles.without[i + 1]);
     }
-    write("asked_angle_rad", "rad", TraceColumns::kJoints, without.back());
+    write("asked_angle_rad", "rad", TraceColumns::kJoints, angles.without.back());
+    write("arm_at_rest_hand_angle_rad", "rad", TraceColumns::kJoints, angles.arm_at_rest);
     WriteText(group, "health", trace.health.ok ? "ok" : trace.health.problem);
     state_->controllers.push_back(trace.controller_name);
   });

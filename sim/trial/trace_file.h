@@ -24,10 +24,10 @@ class TraceWriter {
   ~TraceWriter();
 
   /// `twin`: of the same trial, as `noise_free_..` beside the signals; null if there is none.
-  /// `without`: as `without_glove_hand_angle_rad`, `without_link_loss_..` and so on, and
-  /// `asked_angle_rad`; the first of them is that of the twin.
+  /// `angles`: as `without_glove_hand_angle_rad`, `without_link_loss_..` and so on,
+  /// `asked_angle_rad` and `arm_at_rest_hand_angle_rad`; the first of them is that of the twin.
   void Add(const Trace& trace, const NoiseFreeTwin* twin = nullptr,
-           const CauseAngles& without = {});
+           const CauseAngles& angles = {});
   void Commit();
 
  private:

@@ -278,6 +278,8 @@ Width WidthOf(const TraceFile& file, const Trace& trace, TraceColumns columns,
       return {7, true};
     case TraceColumns::kForces:
       return {2, true};
+    case TraceColumns::kPalm:
+      return {3, true};
     case TraceColumns::kSensors:
       return {std::ssize(file.joint_names), true};
   }

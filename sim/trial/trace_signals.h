@@ -22,7 +22,8 @@ enum class TraceColumns {
   kForces,
   kDigits,
   kSensors,
-  kLinks
+  kLinks,
+  kPalm
 };
 
 /// Names of the columns of all signals of one glove and hand.
@@ -33,19 +34,20 @@ class TraceColumnNames {
     if (hand.transmission().joint_sensors)
       names_[Place(TraceColumns::kSensors)] = hand.joint_names();
     if (hand.digits().exist()) names_[Place(TraceColumns::kDigits)] = {"deepest"};
+    if (hand.moving_palm() >= 0) names_[Place(TraceColumns::kPalm)] = {"x", "y", "z"};
     if (has_links) names_[Place(TraceColumns::kLinks)] = {"link"};
     if (!hand.grasp().exists()) return;
     names_[Place(TraceColumns::kGrip)] = {"object"};
     names_[Place(TraceColumns::kForces)] = {"hand", "support"};
     names_[Place(TraceColumns::kPose)] = {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
   }
-  /// Nothing for what the hand does not have: an object, digits, joint sensors; and for
-  /// links that there are not.
+  /// Nothing for what the hand does not have: an object, digits, joint sensors, a palm that moves;
+  /// and for links that there are not.
   const std::vector<std::string>& Of(TraceColumns columns) const { return names_[Place(columns)]; }
 
  private:
   static std::size_t Place(TraceColumns columns) { return static_cast<std::size_t>(columns); }
-  std::vector<std::string> names_[10];
+  std::vector<std::string> names_[11];
 };
 
 /// One signal of a trace: what it is, and how its values of this tick are read from the loop.
@@ -59,8 +61,8 @@ struct TraceSignal {
 
 /// Shows every signal of a trace once: `visit(TraceSignal, matrix)`. The one list that the
 /// recorder, the writers and the reader of trace files share: a signal is a field of Trace and a
-/// row here. Those of an object, of digits, of joint sensors or of links have no columns, and no
-/// place in a file, unless there are any.
+/// row here. Those of an object, of digits, of joint sensors, of a moving palm or of links have
+/// no columns, and no place in a file, unless there are any.
 template <class TraceType, class Visit>
 void ForEachSignal(TraceType& trace, Visit&& visit) {
   using Loop = const HandLoop&;
@@ -113,6 +115,8 @@ void ForEachSignal(TraceType& trace, Visit&& visit) {
            row[0] = forces.carried_n;
            row[1] = forces.support_n;
          });
+  number("palm_velocity_m_s", "m/s", TraceColumns::kPalm, trace.palm_velocity_m_s,
+         [](Loop loop, Row row) { loop.hand().ReadPalmVelocity(row); });
   number("digit_overlap_m", "m", TraceColumns::kDigits, trace.digit_overlap_m,
          [](Loop loop, Row row) { row[0] = loop.hand().DigitOverlap(); });
   number("sample_age_s", "s", TraceColumns::kLinks, trace.sample_age_s,

@@ -1,8 +1,11 @@
 #include "sim/trial/trial.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "controller/assert.h"
+#include "controller/linearisation/linearisation.h"
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
 #include "sim/trial/external/external_filters.h"
@@ -21,6 +24,29 @@ void StepLoop(const GloveSignal& glove, Eigen::Index tick, std::vector<double>& 
   loop.Step({.counts = counts});
 }
 
+/// The posture that a hand has which already follows: what the controller takes the glove's first
+/// samples for. The wearer's own would be an advantage for a filter that keeps it still.
+Signal FirstPosture(const TrialSetup& setup, const GloveSignal& glove,
+                    const controller::JointMap& joint_map) {
+  constexpr double kFirst_s = 0.1;
+  const auto samples =
+      std::clamp<Eigen::Index>(std::lround(kFirst_s * glove.rate_hz), 1, glove.counts.rows());
+  Eigen::RowVectorXd counts(glove.counts.cols());
+  for (Eigen::Index c = 0; c < counts.size(); ++c) {  // the median, as a sample may be a glitch
+    std::vector<double> first(glove.counts.col(c).begin(), glove.counts.col(c).begin() + samples);
+    const auto middle = first.begin() + samples / 2;
+    std::ranges::nth_element(first, middle);
+    counts[c] = *middle;
+  }
+  Signal angle_rad = counts;
+  controller::MakeLinearisation(setup.controller.linearisation, setup.calibration,
+                                glove.channel_names)
+      ->ToAngles({counts.data(), static_cast<std::size_t>(counts.size())},
+                 {angle_rad.data(), static_cast<std::size_t>(angle_rad.size())});
+  angle_rad = angle_rad.array().isFinite().select(angle_rad, glove.true_angle_rad.topRows(1));
+  return JointAngles(joint_map, angle_rad);
+}
+
 }  // namespace
 
 Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove, const TrialOptions& options) {
@@ -30,7 +56,7 @@ Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove, const TrialOpt
   HandLoop loop(programs.config(), setup.calibration, setup.joint_map, setup.hand, setup.links);
   const controller::JointMap joint_map(setup.joint_map, glove.channel_names,
                                        setup.hand->transmission());
-  const Signal start = JointAngles(joint_map, glove.true_angle_rad.topRows(1)).transpose();
+  const Signal start = FirstPosture(setup, glove, joint_map).transpose();
   loop.Reset({start.data(), static_cast<std::size_t>(start.size())});
 
   Trace trace;

@@ -284,6 +284,27 @@ TEST(ComparisonVerdict, BeginsWithWhatIsAssumed) {
   EXPECT_EQ(JsonOf(verdict)["warnings"][0]["key"], "assumed");
 }
 
+TEST(ComparisonVerdict, WarnsOfAnArmThatMakesMoreThanATenthOfTheFingersJitter) {
+  const auto warned = [](double jitter_deg, double first_share, int seeds) {
+    Summary summary = Of(kDoor);
+    double share = first_share;
+    for (ControllerSummary& controller : summary.controllers) {
+      controller.summary[MetricIndex("finger_jitter_rms_deg")].mean = jitter_deg;
+      MeanInterval& of_arm = controller.summary[MetricIndex("arm_share_of_finger_jitter")];
+      of_arm.mean = share;
+      of_arm.count = seeds;
+      share = 0.04;
+    }
+    return VerdictOf(summary).Doubts();
+  };
+  EXPECT_THAT(warned(0.08, 0.42, 1),
+              testing::Contains("The arm makes 4 to 42 % of the finger jitter (first seed)."));
+  EXPECT_THAT(warned(0.08, 0.42, 8),
+              testing::Contains("The arm makes 4 to 42 % of the finger jitter."));
+  EXPECT_THAT(warned(0.08, 0.1, 8), testing::Not(testing::Contains(testing::HasSubstr("arm"))));
+  EXPECT_THAT(warned(0.004, 0.42, 8), testing::Not(testing::Contains(testing::HasSubstr("arm"))));
+}
+
 TEST(ComparisonVerdict, WarnsOfSaturationInterpenetrationAndOneMotion) {
   Summary summary = Of(kDoor);
   summary.motions = 1;

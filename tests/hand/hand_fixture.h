@@ -22,6 +22,7 @@ namespace gauntlet::sim::testing {
 inline HandConfig StiffServos() {
   HandConfig config;
   config.servo.settings = StandardServo{};
+  config.arm_servo.settings = StandardServo{};
   return config;
 }
 

@@ -80,6 +80,7 @@ TEST(HandSettings, WhatTheTimeStepCannotBearIsRefused) {
   };
   EXPECT_THAT(Refusal(strongly_damped), HasSubstr("hand.servo: the servo of thumb_rotation"));
   const auto far_too_stiff = [](HandConfig& c) {
+    c.arm_servo.settings = StandardServo{};
     c.cable.stretch = false;
     c.cable.stiffness_scale = 9.9;
   };

@@ -134,18 +134,23 @@ def repeat_period(motion, rate_hz, counted):
     step = max(1, half_up(rate_hz / 100.0))
     means = block_means(motion[begin:end], step)
     most = len(means) // 4
-    found = correlations(means, means, [(0, len(means))], most) if most >= 2 else None
+    bound = min(len(means) - 1, int(2.15 * most) + 1)
+    found = correlations(means, means, [(0, len(means))], bound) if most >= 2 else None
     if found is None:
         return None
-    high = np.nan_to_num(found[most:], nan=-2.0) > 0.5
+    found = found[bound:]
+    all_high = np.nan_to_num(found, nan=-2.0) > 0.5
+    high = all_high[:most + 1]
     fallen = np.flatnonzero(~high)
     again = np.flatnonzero(high[fallen[0]:]) + fallen[0] if len(fallen) else []
     if not len(again):
         return None
     stop = np.flatnonzero(~high[again[0]:])
     stop = again[0] + stop[0] if len(stop) else len(high)
-    peak = again[0] + int(np.argmax(found[most:][again[0]:stop]))
-    return None if peak + 1 == len(high) else peak * step / rate_hz
+    peak = again[0] + int(np.argmax(found[again[0]:stop]))
+    if peak + 1 == len(high) or not all_high[int(np.ceil(1.85 * peak)):int(np.floor(2.15 * peak)) + 1].any():
+        return None
+    return peak * step / rate_hz
 
 
 def delay_samples(reference, hand, rate_hz, earliest_s, counted):
@@ -569,6 +574,32 @@ def fingertip_scores(tips, reference, hand, measured_joints, rate_hz, counted):
             "pinch_distance_error_mm": 1000 * rms(pinches)}
 
 
+# The jitter of fingers, wrist and arm
+
+
+GROUPS = {"arm": ("elbow", "shoulder"), "wrist": ("wrist", "forearm")}  # of the project's hand; others are fingers
+
+
+def group_of(joint):
+    return next((group for group, names in GROUPS.items() if joint.startswith(names)), "finger")
+
+
+def group_scores(jitter_deg, at_rest_deg, palm_m_s, context, counted):
+    """jitter_deg, at_rest_deg: joint -> jitter, of the trial and of the one with the arm at rest."""
+    scores = {}
+    for group in ("finger", "wrist", "arm"):
+        values = [x for name, x in jitter_deg.items() if group_of(name) == group and not np.isnan(x)]
+        scores[group + "_jitter_rms_deg"] = np.mean(values) if values else NAN
+    at_rest = [x for name, x in at_rest_deg.items() if group_of(name) == "finger" and not np.isnan(x)]
+    scores["arm_share_of_finger_jitter"] = 1 - np.mean(at_rest) / scores["finger_jitter_rms_deg"] if at_rest else NAN
+    if palm_m_s is None:
+        return scores | {"palm_acceleration_m_s2": NAN}
+    acceleration = context.rate_hz * np.diff(palm_m_s, axis=0)
+    acceleration = np.vstack([acceleration[:1], acceleration])
+    squares = sum(jitter_of(acceleration[:, i], context, counted) ** 2 for i in range(3))
+    return scores | {"palm_acceleration_m_s2": np.sqrt(squares)}
+
+
 # The error by its cause
 
 
@@ -619,6 +650,12 @@ class ModelCard:
 
 
 # All scores of one part
+
+
+def jitter_of(values, context, counted):
+    trembling, first = high_passed(values, context.jitter_above_hz, context.rate_hz)
+    trembles = inner(counted, first, 2 * first + int(np.ceil(context.rate_hz / context.jitter_above_hz)))
+    return rms(within(trembling, first, trembles))
 
 
 def joint_scores(reference, hand, quiet_hand, without, context, earliest_s, counted):
@@ -814,11 +851,15 @@ def rescore(trace, controller, measured_joints, context):
         return np.asarray(group[name][()], dtype=float) if name in group else None
 
     grip = whole("grip_force_n")
+    at_rest = columns_of(group, "arm_at_rest_hand_angle_rad")
+    jitter_deg, at_rest_deg = ({name: jitter_of(np.degrees(angles[name]), context, context.counted([name], count))
+                                for name in measured_joints if angles} for angles in (hand, at_rest))
     return rows, {**grasp_scores(None if grip is None else grip[:, 0], whole("object_force_n"), whole("object_pose"),
                                  whole("object_in_palm"), context.friction, context.rate_hz, counted),
                   **fingertip_scores(context.fingertips, reference, hand, measured_joints, context.rate_hz, counted),
                   **link_scores(*(None if x is None else x[:, 0] for x in map(whole, ("sample_age_s", "watchdog_tier"))),
                                 context.rate_hz, context.period, counted),
+                  **group_scores(jitter_deg, at_rest_deg, whole("palm_velocity_m_s"), context, counted),
                   "grip_force_ripple_n": ripple[0] if ripple else NAN,
                   "digit_overlap_share": np.mean(deep[0]) if deep and len(deep[0]) else NAN}
 

@@ -79,7 +79,7 @@ TEST(PaperExperiment, DecidesClaimsByTheIntervalOfTheirDifference) {
        .quick = true,
        .jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency())),
        .progress = {}});
-  ASSERT_EQ(experiment.claims.size(), 9u);
+  ASSERT_EQ(experiment.claims.size(), 11u);
   EXPECT_EQ(experiment.claims[0].claim, "Much less local jumps");
   EXPECT_EQ(experiment.claims[0].comparison.judgement, Judgement::kBetter);
   for (const Claim& claim : experiment.claims) {
@@ -87,7 +87,8 @@ TEST(PaperExperiment, DecidesClaimsByTheIntervalOfTheirDifference) {
     EXPECT_NEAR(claim.after - claim.before, difference.mean, 1e-9) << claim.claim;
     EXPECT_GT(relevant_difference, 0.0) << claim.claim;
     EXPECT_FALSE(claim.relevant_reason.empty()) << claim.claim;
-    EXPECT_NE(judgement, Judgement::kNone) << claim.claim;
+    const bool is_share = claim.measured.find('%') != std::string::npos;
+    EXPECT_EQ(judgement == Judgement::kNone, is_share && relevant_difference > 50.0) << claim.claim;
     const bool holds_zero = difference.low <= 0.0 && difference.high >= 0.0;
     const bool small = std::abs(difference.mean) < relevant_difference;
     if (holds_zero || small) {
@@ -95,13 +96,13 @@ TEST(PaperExperiment, DecidesClaimsByTheIntervalOfTheirDifference) {
       EXPECT_NE(judgement, Judgement::kWorse) << claim.claim;
     }
     EXPECT_GE(difference.level, 1.0 - 0.05) << claim.claim;
-    EXPECT_LE(difference.level, 1.0 - 0.05 / 9) << claim.claim;
+    EXPECT_LE(difference.level, 1.0 - 0.05 / 11) << claim.claim;
     if (claim.claim == "Better servos gain more") {
-      EXPECT_EQ(AnswerText(judgement), "too small to matter");
+      EXPECT_EQ(AnswerText(judgement), "not testable here");
     }
     if (claim.claim.starts_with("Prediction follows better")) {
       EXPECT_EQ(AnswerText(judgement), "confirmed");
-      EXPECT_THAT(claim.costs, testing::HasSubstr("jitter_rms_deg 0."));
+      EXPECT_THAT(claim.costs, testing::HasSubstr("command_reversals_per_s "));
     }
     if (claim.claim.starts_with("The same in short bursts")) {
       EXPECT_EQ(judgement, Judgement::kBetter);

@@ -140,7 +140,11 @@ TEST(Scores, OfAHandStoppedEarlyAreThoseOfItsRows) {
 const std::vector<std::string> kTwoJoints = {"a", "b"};
 const std::vector<std::string> kTwoMotors = {"a", "pull"};
 const std::vector<std::string> kThreeCables = {"a_flexor", "a_extensor", "pull_flexor"};
-const ScoreRows kFullRows(kTwoJoints, kTwoMotors, kThreeCables);
+const ScoreRows kFullRows = [] {
+  ScoreRows rows(kTwoJoints, kTwoMotors, kThreeCables);
+  rows.joint_groups = {ScoredGroup::kFinger, ScoredGroup::kArm};
+  return rows;
+}();
 
 /// All that a metric may need: a wearer who rests, moves and turns, with motors and cables.
 struct FullExample {
@@ -165,6 +169,8 @@ struct FullExample {
   Signal noise_free_hand = Signal::Zero(kSamples, 2);
   Signal noise_free_speed = Signal::Zero(kSamples, 2);
   Signal exact_hand = Signal::Zero(kSamples, 2);
+  Signal arm_at_rest = Signal::Zero(kSamples, 2);
+  Signal palm_velocity = Signal::Zero(kSamples, 3);
 
   FullExample() {
     const auto noise = Noise(2 * kSamples, 12);
@@ -174,12 +180,14 @@ struct FullExample {
         reference(n, c) = At(n, c);
         noise_free_hand(n, c) = At(n - 60, c);
         hand(n, c) = noise_free_hand(n, c) + white;
+        arm_at_rest(n, c) = noise_free_hand(n, c) + 0.6 * white;
         exact_hand(n, c) = At(n, c) + 0.01;
         noise_free_speed(n, c) = 0.7 * std::sin(2.0 * kPi * 1.0 * n / 1000.0);
         command(n, c) = static_cast<int>(100.0 * At(n / 20 * 20, c));
         speed(n, c) =
             noise_free_speed(n, c) + 0.5 * std::sqrt(2.0) * std::sin(2.0 * kPi * 40.0 * n / 1000.0);
       }
+      palm_velocity(n, 1) = 0.01 * std::sqrt(2.0) * std::sin(2.0 * kPi * 40.0 * n / 1000.0);
       grip(n, 0) = 9.0 + std::sqrt(2.0) * std::sin(2.0 * kPi * 25.0 * n / 1000.0);
       object_force(n, 0) = n < kSamples / 2 ? 0.0 : 3.0;
       object_force(n, 1) = n < kSamples / 2 ? 3.0 : 0.0;
@@ -213,6 +221,8 @@ struct FullExample {
             .object_pose = &object_pose,
             .object_in_palm = &object_in_palm,
             .object_friction = 0.5,
+            .palm_velocity_m_s = &palm_velocity,
+            .arm_at_rest_angle_rad = &arm_at_rest,
             .digit_overlap_m = &overlap,
             .sample_age_s = &sample_age,
             .watchdog_tier = &tier,
@@ -254,7 +264,9 @@ TEST(Scores, AllExistWhereAllSignalsDo) {
   const FullExample example;
   const Scores scores = ComputeScores(example.Input(), kFullRows);
   for (std::size_t i = 0; i < Metrics().size(); ++i) {
-    EXPECT_EQ(std::isfinite(scores.summary[i]), Metrics()[i].alike) << Metrics()[i].key;
+    const bool has_joints = Metrics()[i].key != "wrist_jitter_rms_deg";  // none is of the wrist
+    EXPECT_EQ(std::isfinite(scores.summary[i]), Metrics()[i].alike && has_joints)
+        << Metrics()[i].key;
     const ScoredPart part = Metrics()[i].part;
     // Rows: the joint and motor a, the joint b, the motor pull, three cables.
     ASSERT_EQ(scores.channels.size(), 6u);
@@ -265,6 +277,18 @@ TEST(Scores, AllExistWhereAllSignalsDo) {
       EXPECT_EQ(std::isfinite(scores.channels[row][i]), has) << Metrics()[i].key << " " << row;
     }
   }
+}
+
+TEST(Scores, OfFingersAndArmAreToldApart) {
+  FullExample example;
+  example.hand.col(1) += 0.5 * (example.hand.col(1) - example.noise_free_hand.col(1));
+  const Scores scores = ComputeScores(example.Input(), kFullRows);
+  const auto value = [&](std::string_view key) { return scores.summary[IndexOf(key)]; };
+  EXPECT_NEAR(value("finger_jitter_rms_deg"), 0.3 * std::sqrt(0.98), 0.01);
+  EXPECT_NEAR(value("arm_jitter_rms_deg"), 0.45 * std::sqrt(0.98), 0.015);
+  EXPECT_NEAR(value("arm_share_of_finger_jitter"), 0.4, 1e-3);
+  // 40 Hz: 2 sin(pi 40 / 1000) of the speed's RMS from tick to tick.
+  EXPECT_NEAR(value("palm_acceleration_m_s2"), 0.01 * 2.0 * 1000.0 * std::sin(kPi * 0.04), 1e-3);
 }
 
 TEST(Scores, OfRegimesMotorsAndCablesAreTheKnownValues) {

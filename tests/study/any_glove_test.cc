@@ -62,7 +62,7 @@ TEST_P(AnyGlove, MovesItsJointsAndTheOthersHoldTheirPosture) {
   EXPECT_EQ(study.measured_joint_names.size(), std::min<std::size_t>(GetParam().size(), 18));
   for (const std::size_t row : study.rows.joints) {
     const double error_deg = outcome.scores.channels[row][MetricIndex("aligned_rmse_deg")];
-    EXPECT_LT(error_deg, 5.0) << study.rows.names[row];
+    EXPECT_LT(error_deg, 6.0) << study.rows.names[row];
   }
   const Drift drift = LargestDrift(study, result);
   // A joint whose cables pass a neighbour that moves gives way to its drag before friction lets go:

@@ -70,7 +70,8 @@ const std::map<ErrorCause, std::vector<std::string>> kSwitches = {
      {"event.delay_ms=0", "event.period_ms=1", "hand.servo.frame_ms=0",
       "hand.arm_servo.frame_ms=0"}},
     {ErrorCause::kSaturation, {"hand.motor_limits=false"}},
-    {ErrorCause::kFriction, {"hand.motor_friction_scale=0", "hand.servo.play_deg=0"}},
+    {ErrorCause::kFriction,
+     {"hand.motor_friction_scale=0", "hand.servo.play_deg=0", "hand.arm_servo.play_deg=0"}},
     {ErrorCause::kServo, {"hand.servo.kind=ideal", "hand.arm_servo.kind=ideal"}}};
 
 /// What is off has no share, and takes at most a tenth of the whole from each of the others. But
@@ -124,8 +125,8 @@ TEST_F(CauseTrialsTest, AreOfTheSeedsThatAreAskedFor) {
   const StudyResult first = Run({}, {.seeds = 2});
   EXPECT_TRUE(known(first.seeds[0].controllers[0]));
   EXPECT_FALSE(known(first.seeds[1].controllers[0]));
-  ASSERT_EQ(first.first_without.size(), 1u);
-  EXPECT_EQ(first.first_without[0][0], first.first_twins[0]->hand_angle_rad);
+  ASSERT_EQ(first.first_others.size(), 1u);
+  EXPECT_EQ(first.first_others[0].without[0], first.first_twins[0]->hand_angle_rad);
   const StudyResult all = Run({}, {.seeds = 2, .causes = CauseSeeds::kAll});
   EXPECT_TRUE(known(all.seeds[1].controllers[0]));
   EXPECT_EQ(CausesOf(all.seeds[0].controllers[0].scores),

@@ -147,17 +147,21 @@ const std::vector<Step>& Walk() {
       {"hand.servo.damping_ms=100", kChanges},
       {"hand.servo.damping_ms=101", kRefused},
       {"hand.servo.no_load_speed_deg_s=1", kRefused, "hand.servo: the servo of thumb_rotation"},
-      {"hand.servo.no_load_speed_deg_s=10000", kChanges},
-      {"hand.arm_servo.frame_ms=0", kKeeps},  // frames of one period are in step with commands
-      {"hand.arm_servo.frame_ms=0", kChanges, {}, kOddEvents},
+      {"hand.servo.no_load_speed_deg_s=100", kChanges},
+      {"hand.servo.no_load_speed_deg_s=10000", kKeeps},  // none turns as fast as its own
+      {"hand.arm_servo.frame_ms=0", kChanges},
+      {"hand.arm_servo.frame_ms=5", kKeeps},  // the default
       {"hand.arm_servo.frame_ms=1000", kChanges},
       {"hand.arm_servo.frame_ms=1001", kRefused},
-      {"hand.arm_servo.dead_time_ms=0", kKeeps},  // the default
+      {"hand.arm_servo.dead_time_ms=0", kChanges},
+      {"hand.arm_servo.dead_time_ms=2", kKeeps},  // the default
       {"hand.arm_servo.dead_time_ms=500", kChanges},
       {"hand.arm_servo.dead_time_ms=501", kRefused},
       {"hand.arm_servo={kind: bus}", kChanges},
       {"hand.arm_servo.damping_ms=0", kChanges},
-      {"hand.arm_servo.damping_ms=100", kRefused, "hand.arm_servo: the servo of "},
+      {"hand.arm_servo.damping_ms=100", kChanges},
+      {"hand.arm_servo={kind: standard, damping_ms: 100}", kRefused,
+       "hand.arm_servo: the servo of "},
       {"hand.arm_servo.damping_ms=101", kRefused},
       {"hand.arm_servo.no_load_speed_deg_s=1", kRefused, "hand.arm_servo: the servo of "},
       {"hand.arm_servo.no_load_speed_deg_s=10000", kChanges},

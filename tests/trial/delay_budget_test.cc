@@ -40,6 +40,7 @@ double DelayMs(const Column& signal, double time_of_row_0_s) {
 TEST(DelayBudget, IsEventAndFrameAndServoAndLessThanTenMillisecondsOfCables) {
   HandConfig in_step;
   in_step.servo.settings = StandardServo{};
+  in_step.arm_servo.settings = StandardServo{};
   for (const std::string name : {"index_mcp", "little_pip", "wrist_flexion", "elbow_flexion"}) {
     const GloveConfig config = Swing(name);
     const GloveSignal glove = SynthesiseGlove(config, 1);

@@ -120,10 +120,11 @@ TEST_F(TraceFileTest, HoldsTheTrialsBesideItAndOneByteForEveryFlag) {
   const Trace trace = MakeTrace("raw");
   const NoiseFreeTwin twin{.hand_angle_rad = Signal::Random(kSamples, 18),
                            .spool_speed_rad_s = Signal::Random(kSamples, 18)};
-  CauseAngles without;  // noise is in the twin, friction could not be taken away
-  for (const std::size_t i : {1, 4, 5, 7, 8}) without[i] = Signal::Random(kSamples, 18);
+  CauseAngles angles;  // noise is in the twin, friction could not be taken away
+  for (const std::size_t i : {1, 4, 5, 7, 8}) angles.without[i] = Signal::Random(kSamples, 18);
+  angles.arm_at_rest = Signal::Random(kSamples, 18);
   TraceWriter writer(file_, glove_, reference_, hand_, "test", 42);
-  writer.Add(trace, &twin, without);
+  writer.Add(trace, &twin, angles);
   writer.Add(MakeTrace("kalman"));
   writer.Commit();
   EXPECT_EQ(ReadTraceFile(file_).traces.size(), 2u);
@@ -137,9 +138,10 @@ TEST_F(TraceFileTest, HoldsTheTrialsBesideItAndOneByteForEveryFlag) {
   };
   EXPECT_EQ(first_row("noise_free_hand_angle_rad"), Stored(twin.hand_angle_rad.topRows(1)));
   EXPECT_EQ(first_row("noise_free_spool_speed_rad_s"), Stored(twin.spool_speed_rad_s.topRows(1)));
-  EXPECT_EQ(first_row("without_glove_hand_angle_rad"), Stored(without[1].topRows(1)));
-  EXPECT_EQ(first_row("without_servo_hand_angle_rad"), Stored(without[7].topRows(1)));
-  EXPECT_EQ(first_row("asked_angle_rad"), Stored(without[8].topRows(1)));
+  EXPECT_EQ(first_row("without_glove_hand_angle_rad"), Stored(angles.without[1].topRows(1)));
+  EXPECT_EQ(first_row("without_servo_hand_angle_rad"), Stored(angles.without[7].topRows(1)));
+  EXPECT_EQ(first_row("asked_angle_rad"), Stored(angles.without[8].topRows(1)));
+  EXPECT_EQ(first_row("arm_at_rest_hand_angle_rad"), Stored(angles.arm_at_rest.topRows(1)));
   EXPECT_FALSE(raw.nameExists("without_friction_hand_angle_rad"));
   for (const char* name : {"noise_free_hand_angle_rad", "without_glove_hand_angle_rad"}) {
     EXPECT_FALSE(file.openGroup("controllers/kalman").nameExists(name)) << name;

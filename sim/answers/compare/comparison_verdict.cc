@@ -450,6 +450,29 @@ std::string Interpenetration(const Summary& summary) {
                      least == most ? most : least + " to " + most);
 }
 
+/// "The arm makes 16 to 40 % of the finger jitter (first seed)." where it makes more than a tenth.
+/// Jitter that is shown as 0.00 has no causes.
+std::string JitterFromArm(const Summary& summary) {
+  constexpr double kWorthSaying = 0.1;
+  constexpr double kShownAs0_deg = 0.005;
+  const std::size_t jitter = MetricIndex("finger_jitter_rms_deg");
+  const std::size_t metric = MetricIndex("arm_share_of_finger_jitter");
+  std::vector<double> shares;
+  bool is_of_one = false;
+  for (const ControllerSummary& controller : summary.controllers) {
+    const double share = controller.summary[metric].mean;
+    if (!std::isfinite(share) || !(controller.summary[jitter].mean >= kShownAs0_deg)) continue;
+    shares.push_back(share);
+    is_of_one = is_of_one || controller.summary[metric].count == 1;
+  }
+  if (shares.empty() || std::ranges::max(shares) <= kWorthSaying) return "";
+  const auto [least, most] = std::ranges::minmax(shares);
+  return fmt::format("The arm makes {:.0f}{} % of the finger jitter{}.",
+                     100.0 * std::max(0.0, least),
+                     shares.size() == 1 ? "" : fmt::format(" to {:.0f}", 100.0 * most),
+                     is_of_one && !summary.one_run ? " (first seed)" : "");
+}
+
 /// "The object falls with raw in 100 % of trials and with mean_20 in 25 %."
 std::string Dropped(const Summary& summary) {
   const std::size_t metric = MetricIndex("object_dropped_share");
@@ -490,6 +513,7 @@ void AddWarnings(const Summary& summary, const Choice& choice,
                        Saturation(summary, recommended.value_or(choice.all().front())));
   }
   verdict.AddWarning("interpenetration", Interpenetration(summary));
+  verdict.AddWarning("arm_jitter", JitterFromArm(summary));
   verdict.AddWarning("dropped", Dropped(summary));
 }
 

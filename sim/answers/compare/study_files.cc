@@ -287,7 +287,7 @@ void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& f
     for (std::size_t c = 0; c < result.first_traces.size(); ++c) {
       const Trace& trace = result.first_traces[c];
       trace_file.Add(trace, result.first_twins[c] ? &*result.first_twins[c] : nullptr,
-                     result.first_without[c]);
+                     result.first_others[c]);
       if (formats.csv) {
         WriteTraceCsv(folder / fmt::format("trace.{}.csv", trace.controller_name),
                       *result.first_glove, *study.hand, trace);

@@ -37,7 +37,8 @@ struct Claim {
   Comparison comparison = {};  // after - before, paired by seed; better: as claimed
 };
 
-/// "confirmed" (better as claimed), "too small to matter", "undecided" or "refuted".
+/// "confirmed" (better as claimed), "too small to matter", "undecided", "refuted", or "not testable
+/// here", where no effect that is to be expected would matter.
 std::string_view AnswerText(Judgement judgement);
 
 /// The first test of the paper: one channel, filtered alone [counts].
@@ -65,6 +66,7 @@ struct PaperExperiment {
   FinishedStudy finished;
   StudyResult rc_servo_result;  // raw and paper_kalman with RC servos
   StudyResult burst_result;     // tuned_kalman and prediction in fast_bursts
+  Summary burst_summary;
   std::vector<PaperFilter> filters;
   std::vector<Claim> claims;
   OneChannelTest one_channel;
