@@ -12,6 +12,7 @@
 
 #include "controller/assert.h"
 #include "sim/base/error.h"
+#include "sim/hand/cable_path.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -100,11 +101,6 @@ class SpanFinder {
     return way;
   }
 
-  bool Turns(int joint, int body) const {
-    while (body > 0 && body != model_.jnt_bodyid[joint]) body = model_.body_parentid[body];
-    return body > 0;
-  }
-
   /// Joints that turn a part of the stretch against the rest of it.
   std::vector<int> JointsWithin(const Stretch& stretch) const {
     const int first = model_.site_bodyid[stretch.first_site];
@@ -112,15 +108,17 @@ class SpanFinder {
     const int around = stretch.geom < 0 ? first : model_.geom_bodyid[stretch.geom];
     std::vector<int> joints;
     for (int joint = 0; joint < model_.njnt; ++joint) {
-      const bool turns = Turns(joint, first);
-      if (turns != Turns(joint, second) || turns != Turns(joint, around)) joints.push_back(joint);
+      const bool turns = Turns(model_, joint, first);
+      if (turns != Turns(model_, joint, second) || turns != Turns(model_, joint, around)) {
+        joints.push_back(joint);
+      }
     }
     return joints;
   }
 
   std::optional<CableSpan> SpanOf(const Stretch& stretch, int joint) const {
     const Hinge hinge{Vector(data_.xanchor + 3 * joint), Vector(data_.xaxis + 3 * joint)};
-    const bool second_turns = Turns(joint, model_.site_bodyid[stretch.second_site]);
+    const bool second_turns = Turns(model_, joint, model_.site_bodyid[stretch.second_site]);
     const int turned_site = second_turns ? stretch.second_site : stretch.first_site;
     const int fixed_site = second_turns ? stretch.first_site : stretch.second_site;
     const FromAxis turned = hinge(data_.site_xpos + 3 * turned_site);

@@ -1,5 +1,6 @@
 #include "sim/hand/cable_path.h"
 
+#include <fmt/core.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -29,6 +30,11 @@ double AngleBetween(const mjtNum* a, const mjtNum* b, const mjtNum* c, const mjt
 }
 
 }  // namespace
+
+bool Turns(const mjModel& model, int joint, int body) {
+  while (body > 0 && body != model.jnt_bodyid[joint]) body = model.body_parentid[body];
+  return body > 0;
+}
 
 double MomentArm(const mjModel& model, const mjData& data, int tendon, int dof) noexcept {
   GAUNTLET_ASSERT(0 <= tendon && tendon < model.ntendon);
@@ -75,9 +81,8 @@ bool CablePaths::Passes(int tendon, int dof) const {
   return largest_arm_m_[static_cast<std::size_t>(tendon) * model_.nv + dof] > kSmallestArmM;
 }
 
-std::vector<CablePaths::Bend> CablePaths::BendsOf(int tendon) const {
-  const int begin = data_->ten_wrapadr[tendon];
-  const int end = begin + data_->ten_wrapnum[tendon];
+/// The points where the cable touches something, from `begin` to before `end`.
+std::vector<CablePaths::Bend> CablePaths::BendsOf(int begin, int end) const {
   const auto point = [&](int index) { return data_->wrap_xpos + 3 * index; };
   std::vector<Bend> bends;
   for (int index = begin + 1; index + 1 < end; ++index) {
@@ -95,18 +100,48 @@ std::vector<CablePaths::Bend> CablePaths::BendsOf(int tendon) const {
   return bends;
 }
 
-void CablePaths::Trace(Cable& cable) const {
-  const std::vector<Bend> bends = BendsOf(cable.tendon);
+/// True if the joint turns some of the model's guides from `begin` to before `end`, and not others.
+bool CablePaths::Passes(int begin, int end, int joint) const {
+  bool turned = false;
+  bool rests = false;
+  for (int index = begin; index < end; ++index) {
+    const int object = model_.wrap_objid[index];
+    if (model_.wrap_type[index] == mjWRAP_JOINT) {
+      if (object == joint) return true;
+      continue;
+    }
+    const bool site = model_.wrap_type[index] == mjWRAP_SITE;
+    const bool turns =
+        Turns(model_, joint, site ? model_.site_bodyid[object] : model_.geom_bodyid[object]);
+    (turns ? turned : rests) = true;
+  }
+  return turned && rests;
+}
+
+/// Fills crossings and bends of the last branch: guides of the model from `begin` to before `end`.
+void CablePaths::TraceBranch(int begin, int end, const std::vector<Bend>& bends,
+                             Cable& cable) const {
+  CableBranch& branch = cable.branches.back();
   std::vector<std::pair<std::size_t, Crossing>> found;  // with the bend at which the joint is
   for (int joint = 0; joint < model_.njnt; ++joint) {
     const int dof = model_.jnt_dofadr[joint];
     const bool hinge = model_.jnt_type[joint] == mjJNT_HINGE;
     if (!(hinge || model_.jnt_type[joint] == mjJNT_SLIDE) || !Passes(cable.tendon, dof)) continue;
+    if (!Passes(begin, end, joint)) continue;
+    if (std::ranges::find(cable.crossings, dof, &Crossing::dof) != cable.crossings.end()) {
+      if (cable.cord.friction_coefficient == 0.0) continue;
+      throw UserError(
+          {.key = "hand.cable.capstan_friction",
+           .problem = fmt::format("must be 0: two branches of cable '{}' of the model "
+                                  "pass joint '{}'",
+                                  cable.name, JointNameAt(model_, model_.jnt_qposadr[joint]))});
+    }
     const double arm = MomentArm(model_, *data_, cable.tendon, dof);
     Crossing crossing{.dof = dof,
                       .qpos = model_.jnt_qposadr[joint],
                       .moment_arm_m = arm,
-                      .bend_per_rad = hinge ? std::copysign(1.0, arm) : 0.0};
+                      .bend_per_rad = hinge ? std::copysign(1.0, arm) : 0.0,
+                      .branch = static_cast<int>(cable.branches.size()) - 1};
     crossing.reference_rad = data_->qpos[crossing.qpos];
     const mjtNum* anchor = data_->xanchor + 3 * joint;
     const auto nearest = std::min_element(bends.begin(), bends.end(), [&](auto& a, auto& b) {
@@ -117,7 +152,7 @@ void CablePaths::Trace(Cable& cable) const {
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
 
-  double bent = 0.0;
+  double bent = branch.parent < 0 ? 0.0 : cable.branches[branch.parent].bend_rad;
   std::size_t next = 0;
   for (std::size_t index = 0; index < bends.size() || next < found.size(); ++index) {
     if (index < bends.size()) bent += bends[index].angle_rad;
@@ -126,8 +161,36 @@ void CablePaths::Trace(Cable& cable) const {
       cable.crossings.push_back(found[next].second);
     }
   }
-  cable.bend_rad = bent;
+  branch.bend_rad = bent;
+}
+
+void CablePaths::Trace(Cable& cable) const {
   cable.natural_length_m = data_->ten_length[cable.tendon];
+  const int last = model_.tendon_adr[cable.tendon] + model_.tendon_num[cable.tendon];
+  const int last_point = data_->ten_wrapadr[cable.tendon] + data_->ten_wrapnum[cable.tendon];
+  std::vector<double> divisors;
+  double divisor = 1.0;
+  int point = data_->ten_wrapadr[cable.tendon];
+  for (int begin = model_.tendon_adr[cable.tendon]; begin < last;) {
+    if (model_.wrap_type[begin] == mjWRAP_PULLEY) {
+      divisor = model_.wrap_prm[begin++];
+      ++point;
+    }
+    const auto end_of = [](const int* values, int from, int to, int pulley) {
+      return static_cast<int>(std::find(values + from, values + to, pulley) - values);
+    };
+    const int end = end_of(model_.wrap_type, begin, last, mjWRAP_PULLEY);
+    constexpr int kPulleyPoint = -2;
+    const int end_point = end_of(data_->wrap_obj, point, last_point, kPulleyPoint);
+    // An undivided cable goes on; a divided one hangs on the last branch that is divided less.
+    int parent = static_cast<int>(divisors.size()) - 1;
+    while (parent >= 0 && divisor > 1.0 && divisors[parent] >= divisor) --parent;
+    divisors.push_back(divisor);
+    cable.branches.push_back({.parent = parent});
+    TraceBranch(begin, end, BendsOf(point, end_point), cable);
+    begin = end;
+    point = end_point;
+  }
 }
 
 }  // namespace gauntlet::sim

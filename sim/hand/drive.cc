@@ -10,6 +10,7 @@
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/hand/cable_path.h"
+#include "sim/hand/firm_constraints.h"
 #include "sim/hand/stability.h"
 
 namespace gauntlet::sim {
@@ -349,6 +350,7 @@ std::vector<Drive> FindDrives(mjModel& model, const HandConfig& config) {
       if (drive.shaft.joints.size() == 1) model.dof_frictionloss[joint.dof] = 0.0;
     }
   }
+  FirmConstraints(model, drives);
   return drives;
 }
 
@@ -375,6 +377,11 @@ const Drive* OwnDrive(const HandJoint& joint, const std::vector<Drive>& drives) 
            (drive.shaft.joints.size() == 1 && drive.shaft.joints[0].qpos == joint.qpos);
   });
   return found == drives.end() ? nullptr : &*found;
+}
+
+bool Cable::Contains(int branch, int other) const {
+  while (branch > other) branch = branches[branch].parent;  // it comes before the branch
+  return branch == other;
 }
 
 void FindCables(const mjModel& model, const HandConfig& config,

@@ -24,6 +24,14 @@ struct Crossing {
   double arm_error_m = 0.0;    // in it, and not in the model
   double bend_rad = 0.0;       // how far the cable has bent from the drum to behind this joint
   double bend_per_rad = 0.0;   // how that grows with this joint's angle: +1 or -1
+  int branch = 0;              // of the cable
+};
+
+/// A part of a cable between pulleys of the model, or a whole one. A floating pulley divides a cable
+/// into branches that pull alike.
+struct CableBranch {
+  int parent = -1;        // branch that it goes on; -1: it begins at the drum
+  double bend_rad = 0.0;  // from the drum to its end at the reference
 };
 
 /// Position in qpos of what a joint turns with: the joint itself, or the one that leads it.
@@ -42,11 +50,14 @@ struct Cable {
   Cord cord;
   double pretension_n = 0.0;
   double natural_length_m = 0.0;  // beyond the drum, with the spool at 0
-  double bend_rad = 0.0;          // the whole of it at the reference
+  std::vector<CableBranch> branches;
   std::vector<Crossing> crossings;
   // Length beyond the drum = fixed length + sum of spans; none if the engine has to measure it.
   double fixed_length_m = 0.0;
   std::vector<CableSpan> spans;
+
+  /// True if the way from the drum to the end of a branch contains another, or is that one.
+  bool Contains(int branch, int other) const;
 };
 
 /// A joint that a motor turns without cables.

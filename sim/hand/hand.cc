@@ -45,6 +45,7 @@ struct Hand::State {
   void LoadMotors() noexcept;
   void TurnSpools() noexcept;
   CableWay Way(const Cable& cable, std::vector<double>& arm_m) const noexcept;
+  double Turned(const Crossing& crossing) const noexcept;
   double Bend(const Cable& cable) const noexcept;
   DrumMotion TurnDrum(const Drive& drive, const SpoolState& spool,
                       std::span<const CableState> states, std::span<const CableWay> ways,
@@ -145,13 +146,22 @@ CableWay Hand::State::Way(const Cable& cable, std::vector<double>& arm_m) const 
   return way;
 }
 
-/// How far the cable bends in all [rad].
+/// How much more the cable bends at a joint than at the reference [rad].
+double Hand::State::Turned(const Crossing& crossing) const noexcept {
+  return crossing.bend_per_rad * (data->qpos[crossing.qpos] - crossing.reference_rad);
+}
+
+/// How far the cable bends from its drum to its end, that of the branch that bends most [rad].
 double Hand::State::Bend(const Cable& cable) const noexcept {
-  double bend = cable.bend_rad;
-  for (const Crossing& crossing : cable.crossings) {
-    bend += crossing.bend_per_rad * (data->qpos[crossing.qpos] - crossing.reference_rad);
+  double most = 0.0;
+  for (int branch = 0; branch < std::ssize(cable.branches); ++branch) {
+    double bend = cable.branches[branch].bend_rad;
+    for (const Crossing& crossing : cable.crossings) {
+      if (cable.Contains(branch, crossing.branch)) bend += Turned(crossing);
+    }
+    most = std::max(most, bend);
   }
-  return bend;
+  return most;
 }
 
 /// The cable's pull on the joints that it passes, while its drum winds it up at `wound_rate_m_s`.
@@ -161,10 +171,13 @@ void Hand::State::Pull(const Cable& cable, double stretch_m, double wound_rate_m
   const double bend = Bend(cable);
   places.resize(cable.crossings.size() + 1);
   places[0] = {.speed_m_s = wound_rate_m_s};
-  double turned = 0.0;
   for (std::size_t i = 0; i < arm_m.size(); ++i) {
     const Crossing& crossing = cable.crossings[i];
-    turned += crossing.bend_per_rad * (data->qpos[crossing.qpos] - crossing.reference_rad);
+    double turned = 0.0;
+    for (std::size_t before = 0; before <= i; ++before) {
+      const Crossing& passed = cable.crossings[before];
+      if (cable.Contains(crossing.branch, passed.branch)) turned += Turned(passed);
+    }
     const double share = bend > 0.0 ? (crossing.bend_rad + turned) / bend : 0.0;
     places[i + 1] = {.bend_share = std::clamp(share, 0.0, 1.0),
                      .speed_m_s = arm_m[i] * data->qvel[crossing.dof]};

@@ -44,13 +44,18 @@ void InsertIncludes(MjcfElement& element, const fs::path& folder, std::set<fs::p
 
 }  // namespace
 
-ReadableMjcf ReadModelText(const fs::path& model) {
+ReadableMjcf ReadModelText(const fs::path& model, bool exact_meshes) {
   MjcfElement root = ReadMjcf(model);
   ReadableMjcf readable;
   if (root.name == "mujoco") {
     std::set<fs::path> included = {model.lexically_normal()};
     InsertIncludes(root, model.parent_path(), included);
     DropNewerMjcf(root, readable.notes);
+    if (exact_meshes) {
+      MjcfElement& compiler = root.children.emplace_back();  // the last of them counts
+      compiler.name = "compiler";
+      compiler.Set("exactmeshinertia", "true");
+    }
     readable.lacks_contact_shapes = LeaveOutMissingMeshes(root, readable.notes);
   }
   // Names of other people's files become lines of a terminal and comments of a scenario.

@@ -1,10 +1,14 @@
 #include "sim/hand/model_files.h"
 
+#include <fmt/core.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <new>
@@ -18,6 +22,7 @@
 #include "sim/base/error.h"
 #include "sim/base/helper_process.h"
 #include "sim/base/input_file.h"
+#include "sim/base/text.h"
 #include "sim/hand/mujoco_messages.h"
 
 namespace gauntlet::sim {
@@ -68,31 +73,102 @@ void RegisterModelFiles(const fs::path& model) {
   RegisterFile(model, model.parent_path(), taken);
 }
 
-mjModel* LoadModel(const fs::path& path, ReadableMjcf& readable) {
-  readable = ReadModelText(path);
+namespace {
+
+using Model = std::unique_ptr<mjModel, void (*)(mjModel*)>;
+
+/// True if each edge of a mesh is that of two faces, once in each direction.
+bool IsClosed(const mjModel& model, int mesh) {
+  std::set<std::pair<int, int>> edges;
+  const int* const faces = model.mesh_face + 3 * model.mesh_faceadr[mesh];
+  const int corners = 3 * model.mesh_facenum[mesh];
+  for (int corner = 0; corner < corners; ++corner) {
+    const int next = corner % 3 == 2 ? corner - 2 : corner + 1;
+    if (!edges.emplace(faces[corner], faces[next]).second) return false;
+  }
+  return std::ranges::all_of(edges, [&](const auto& edge) {
+    return edges.contains({edge.second, edge.first});
+  });
+}
+
+/// Volumes of the pyramids from the mesh's origin to its faces, with and without their signs.
+std::pair<double, double> VolumesOf(const mjModel& model, int mesh) {
+  const float* const corners = model.mesh_vert + 3 * model.mesh_vertadr[mesh];
+  const int* face = model.mesh_face + 3 * model.mesh_faceadr[mesh];
+  std::pair<double, double> volume;
+  for (int index = 0; index < model.mesh_facenum[mesh]; ++index, face += 3) {
+    mjtNum corner[3][3], normal[3];
+    for (int k = 0; k < 3; ++k) mju_f2n(corner[k], corners + 3 * face[k], 3);
+    mju_cross(normal, corner[1], corner[2]);
+    const double pyramid = mju_dot3(corner[0], normal) / 6.0;
+    volume.first += pyramid;
+    volume.second += std::abs(pyramid);
+  }
+  return volume;
+}
+
+/// A note for each body whose mass the engine computes too large: it counts the volume of a mesh that
+/// is not convex more than once, unless the file has exactmeshinertia.
+void NoteMeshMasses(const fs::path& path, const mjModel& model,
+                    const std::function<Model()>& compile_exactly,
+                    std::vector<std::string>& notes) {
+  constexpr double kSmallShare = 0.01;
+  bool counts_twice = false;
+  for (int mesh = 0; mesh < model.nmesh; ++mesh) {
+    const auto [exact, counted] = VolumesOf(model, mesh);
+    counts_twice |= counted > (1.0 + kSmallShare) * std::abs(exact) && IsClosed(model, mesh);
+  }
+  if (!counts_twice) return;
+  const Model exact = compile_exactly();
+  if (exact == nullptr) return;
+  for (int body = 1; body < model.nbody; ++body) {
+    const double right_kg = exact->body_mass[body];
+    if (!(std::abs(model.body_mass[body] - right_kg) > kSmallShare * right_kg)) continue;
+    notes.push_back(fmt::format(
+        "{}: body '{}' has {:.1f} g: MuJoCo 2.2.2 counts some volume of a mesh that is not convex "
+        "more than once; with <compiler exactmeshinertia=\"true\"/> it has {:.1f} g",
+        path.string(), Shown(mj_id2name(&model, mjOBJ_BODY, body)), 1e3 * model.body_mass[body],
+        1e3 * right_kg));
+  }
+}
+
+/// Null, and a message, if the text is no model. Errors: UserError.
+Model Compile(const fs::path& path, const std::string& text, std::string& message) {
   // The engine finds the text by the file's name, and its meshes beside the file.
   const std::unique_ptr<mjVFS, void (*)(mjVFS*)> files(new mjVFS, [](mjVFS* given) {
     mj_deleteVFS(given);
     delete given;
   });
   mj_defaultVFS(files.get());
-  const std::string text = std::exchange(readable.text, {});
   if (mj_makeEmptyFileVFS(files.get(), path.c_str(), static_cast<int>(text.size())) != 0) {
     throw UserError({.place = path.string(), .problem = "has a name that the engine cannot take"});
   }
   std::memcpy(files->filedata[0], text.data(), text.size());
-  char message[1000] = "";
-  mjModel* model = nullptr;
+  char problem[1000] = "";
+  Model model(nullptr, &mj_deleteModel);
   try {
-    model = mj_loadXML(path.c_str(), files.get(), message, sizeof message);
+    model.reset(mj_loadXML(path.c_str(), files.get(), problem, sizeof problem));
   } catch (const RunError& error) {
     throw UserError({.place = path.string(), .problem = error.what()});
   }
   TakeMujocoWarning();
-  if (model != nullptr) return model;
-  std::string line = message;
-  for (char& letter : line) letter = letter == '\n' ? ' ' : letter;
-  throw UserError({.place = path.string(), .problem = line});
+  message = problem;
+  std::ranges::replace(message, '\n', ' ');
+  return model;
+}
+
+}  // namespace
+
+mjModel* LoadModel(const fs::path& path, ReadableMjcf& readable) {
+  readable = ReadModelText(path);
+  std::string message;
+  Model model = Compile(path, std::exchange(readable.text, {}), message);
+  if (model == nullptr) throw UserError({.place = path.string(), .problem = message});
+  const auto compile_exactly = [&] {
+    return Compile(path, ReadModelText(path, true).text, message);
+  };
+  NoteMeshMasses(path, *model, compile_exactly, readable.notes);
+  return model.release();
 }
 
 void TryModel(const fs::path& path, const std::string& key) {

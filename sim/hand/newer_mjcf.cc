@@ -12,6 +12,7 @@ namespace {
 
 constexpr NewerMjcf kRefuse = NewerMjcf::kRefuse;
 constexpr NewerMjcf kDrop = NewerMjcf::kDrop;
+constexpr NewerMjcf kReplace = NewerMjcf::kReplace;
 
 // Reasons to drop.
 constexpr std::string_view kLook = "it changes the picture only";
@@ -49,7 +50,8 @@ constexpr NewerMjcfRow kRows[] = {
     {"", "spatial", "armature", "", kRefuse, kInertia},
     {"", "fixed", "armature", "", kRefuse, kInertia},
     {"default", "tendon", "armature", "", kRefuse, kInertia},
-    {"", "mesh", "inertia", "legacy", kDrop, "it is what 2.2.2 does"},
+    {"", "mesh", "inertia", "legacy", kDrop, "2.2.2 computes nearly the same"},
+    {"", "mesh", "inertia", "exact", kRefuse, "set exactmeshinertia of <compiler>"},
     {"", "mesh", "inertia", "", kRefuse, kInertia},
 
     {"", "compiler", "alignfree", "", kDrop, "it changes the frame of a free body only"},
@@ -63,7 +65,7 @@ constexpr NewerMjcfRow kRows[] = {
     {"", "option", "sleep_tolerance", "", kDrop, kSolver},
     {"", "option", "o_friction", "", kDrop, kSolver},
     {"", "option", "actuatorgroupdisable", "", kDrop, kServo},
-    {"", "option", "integrator", "implicitfast", kDrop, kSolver},
+    {"", "option", "integrator", "implicitfast", kReplace, "implicit"},
     {"option", "flag", "eulerdamp", "", kDrop, kSolver},
     {"option", "flag", "midphase", "", kDrop, kSolver},
     {"option", "flag", "nativeccd", "", kDrop, kSolver},
@@ -169,9 +171,12 @@ class Dropper {
       return row != nullptr && Drops(*row, child);
     });
     for (MjcfElement& child : element.children) {
-      std::erase_if(child.attributes, [&](const auto& attribute) {
+      std::erase_if(child.attributes, [&](auto& attribute) {
         const NewerMjcfRow* const row = RowOf(element, child, attribute.first, attribute.second);
-        return row != nullptr && Drops(*row, child);
+        if (row == nullptr || !Drops(*row, child)) return false;
+        if (row->action == kDrop) return true;
+        attribute.second = row->reason;
+        return false;
       });
       DropBelow(child);
     }
@@ -199,8 +204,11 @@ class Dropper {
                        .problem = fmt::format("{} is not in MuJoCo 2.2.2: {}", name, row.reason)});
     }
     if (dropped_.insert(&row).second) {
-      notes_.push_back(fmt::format("{}: {} is not in MuJoCo 2.2.2 and is left out: {}",
-                                   element.Place(), name, row.reason));
+      notes_.push_back(row.action == kReplace
+                           ? fmt::format("{}: {} is not in MuJoCo 2.2.2 and is replaced by '{}'",
+                                         element.Place(), name, row.reason)
+                           : fmt::format("{}: {} is not in MuJoCo 2.2.2 and is left out: {}",
+                                         element.Place(), name, row.reason));
     }
     return true;
   }

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "sim/base/error.h"
 #include "tests/hand/hand_fixture.h"
 #include "tests/hand/small_hand.h"
 
@@ -235,6 +236,103 @@ TEST(SmallHandCable, BendsAreFoundInTheModel) {
   ASSERT_EQ(cable.crossings.size(), 1u);
   EXPECT_NEAR(cable.crossings[0].moment_arm_m, -SmallHand::kPulleyM, 1e-9);
   EXPECT_NEAR(cable.crossings[0].bend_rad, SmallHand::BendAtZero(), 1e-6);
+}
+
+/// Two equal fingers beside each other, whose cables come from one floating pulley. The pulley is in
+/// the palm, in front of a wrist that the cable passes once or in both branches.
+std::string TwoFingersXml(bool wrist_behind_the_pulley) {
+  std::string fingers;
+  std::string branches;
+  for (const double side : {0.02, -0.02}) {
+    const std::string name = side > 0.0 ? "left" : "right";
+    fingers += fmt::format(R"(
+      <geom name="{0}_pulley" type="cylinder" fromto="0 {1} 0 0 {2} 0" size=".01" mass="0"/>
+      <site name="{0}_below" pos="0 {3} -.03"/>
+      <site name="{0}_fork" pos="-.05 {3} .02"/><site name="{0}_in" pos="-.02 {3} .006"/>
+      <body name="{0}_finger" pos="0 {3} 0">
+        <joint name="{0}" axis="0 1 0" range="0 80" limited="true" stiffness=".12" springref="-17"
+               damping=".004" armature="1e-4"/>
+        <geom type="capsule" fromto=".01 0 0 .06 0 0" size=".007" mass=".02"/>
+        <site name="{0}_out" pos=".02 0 .006"/>
+      </body>)",
+                           name, side - 0.006, side + 0.006, side);
+    branches += fmt::format(R"(<pulley divisor="2"/>{1}<site site="{0}_fork"/><site site="{0}_in"/>
+      <geom geom="{0}_pulley" sidesite="{0}_below"/><site site="{0}_out"/>)",
+                            name, wrist_behind_the_pulley ? R"(<site site="forearm"/>)" : "");
+  }
+  return fmt::format(R"(
+<mujoco>
+  <compiler angle="degree"/>
+  <option timestep="0.001" gravity="0 0 0"/>
+  <worldbody>
+    <site name="drum" pos="-.2 0 -.01"/><site name="forearm" pos="-.12 0 .01"/>
+    <body name="spool" pos="-.2 0 0">
+      <joint name="fingers_spool" axis="0 1 0" armature="3e-4" damping="1e-3"/>
+      <geom name="fingers_drum" type="cylinder" size=".01 .002" euler="90 0 0" mass=".001"/>
+    </body>
+    <body name="palm">
+      <joint name="wrist" pos="-.1 0 0" axis="0 1 0" range="-5 5" limited="true" stiffness="9"
+             damping=".1"/>
+      <geom type="box" size=".02 .03 .01" pos="-.04 0 0" mass=".1"/>
+      <site name="palm" pos="-.08 0 .01"/>{}
+    </body>
+  </worldbody>
+  <tendon>
+    <spatial name="fingers_flexor" stiffness="3e4" damping="20">
+      <site site="drum"/><site site="forearm"/>{}{}
+    </spatial>
+  </tendon>
+  <actuator><motor name="fingers" joint="fingers_spool" ctrllimited="true" ctrlrange="-.45 .45"/></actuator>
+</mujoco>)",
+                     fingers, wrist_behind_the_pulley ? "" : R"(<site site="palm"/>)", branches);
+}
+
+TEST(DividedCable, TurnsEqualFingersAlike) {
+  HandConfig config = StiffServos();
+  config.cable.capstan_friction = 0.1;
+  const auto model = MakeFromText(TwoFingersXml(false), config);
+  const Cable& cable = model->drives()[0].cables[0];
+  ASSERT_EQ(cable.branches.size(), 3u);
+  EXPECT_EQ(cable.branches[1].parent, 0);
+  EXPECT_EQ(cable.branches[2].parent, 0);
+  EXPECT_NEAR(cable.branches[1].bend_rad, cable.branches[2].bend_rad, 1e-9);
+  EXPECT_GT(cable.branches[1].bend_rad, cable.branches[0].bend_rad + 0.5);
+  const auto& map = model->transmission();
+  const auto place = [&](const char* name) {
+    return std::ranges::find(map.joint_names, name) - map.joint_names.begin();
+  };
+  ASSERT_EQ(map.joint_names.size(), 3u);
+  Hand hand(model);
+  double low = 10.0;
+  double high = -10.0;
+  std::vector<double> angle_rad(3);
+  for (int tick = 0; tick < 3000; ++tick) {
+    const std::int32_t counts =
+        map.center_counts[0] + static_cast<std::int32_t>(300.0 * std::sin(0.005 * tick));
+    hand.SetCommand({&counts, 1});
+    hand.Step();
+    hand.ReadJointAngles(angle_rad);
+    ASSERT_NEAR(angle_rad[place("left")], angle_rad[place("right")], 1e-9) << tick;
+    low = std::min(low, angle_rad[place("left")]);
+    high = std::max(high, angle_rad[place("left")]);
+  }
+  EXPECT_TRUE(hand.health().ok) << hand.health().problem;
+  EXPECT_GT(high - low, 0.2);
+}
+
+TEST(DividedCable, WithFrictionIsRefusedWhereTwoBranchesPassOneJoint) {
+  HandConfig config = StiffServos();
+  config.cable.capstan_friction = 0.0;
+  const auto model = MakeFromText(TwoFingersXml(true), config);
+  EXPECT_EQ(model->drives()[0].cables[0].crossings.size(), 3u);  // the wrist once
+  config.cable.capstan_friction = 0.1;
+  try {
+    MakeFromText(TwoFingersXml(true), config);
+    ADD_FAILURE() << "not refused";
+  } catch (const UserError& error) {
+    EXPECT_EQ(error.key(), "hand.cable.capstan_friction");
+    EXPECT_THAT(error.problem(), ::testing::HasSubstr("'wrist'"));
+  }
 }
 
 }  // namespace

@@ -7,16 +7,16 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "sim/base/error.h"
 #include "sim/hand/mjcf_reader.h"
+#include "sim/hand/model_files.h"
+#include "tests/hand/compiled_text.h"
 
 namespace gauntlet::sim::testing {
 namespace {
@@ -98,17 +98,7 @@ MjcfElement With(const NewerMjcfRow& row, MjcfElement root) {
   return root;
 }
 
-std::unique_ptr<mjModel, void (*)(mjModel*)> Compiled(const MjcfElement& root) {
-  const std::string text = MjcfText(root);
-  const auto files = std::make_unique<mjVFS>();
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "model.xml", static_cast<int>(text.size()));
-  std::memcpy(files->filedata[0], text.data(), text.size());
-  char message[500] = "";
-  mjModel* const model = mj_loadXML("model.xml", files.get(), message, sizeof message);
-  mj_deleteVFS(files.get());
-  return {model, &mj_deleteModel};
-}
+CompiledText Compiled(const MjcfElement& root) { return testing::Compiled(MjcfText(root)); }
 
 std::string NameOf(const NewerMjcfRow& row) {
   return std::string(row.parent) + "/" + std::string(row.element) + "/" +
@@ -126,7 +116,7 @@ TEST_F(NewerMjcfTest, WhatIsDroppedIsNamedAndChangesNeitherKinematicsNorInertia)
   const auto plain = Compiled(Model());
   ASSERT_NE(plain, nullptr);
   for (const NewerMjcfRow& row : NewerMjcfRows()) {
-    if (row.action != NewerMjcf::kDrop) continue;
+    if (row.action == NewerMjcf::kRefuse) continue;
     MjcfElement root = With(row, Model());
     std::vector<std::string> notes;
     DropNewerMjcf(root, notes);
@@ -163,6 +153,18 @@ TEST_F(NewerMjcfTest, WhatMovesCouplesOrLoadsBodiesIsRefusedWithItsNameAndLine) 
       EXPECT_THAT(error.problem(), HasSubstr(std::string(row.attribute)));
     }
   }
+}
+
+TEST_F(NewerMjcfTest, ImplicitfastBecomesImplicit) {
+  MjcfElement root =
+      ReadMjcf(Write("hand.xml", "<mujoco><option integrator='implicitfast'/></mujoco>"));
+  std::vector<std::string> notes;
+  DropNewerMjcf(root, notes);
+  const auto model = Compiled(root);
+  ASSERT_NE(model, nullptr);
+  EXPECT_EQ(model->opt.integrator, mjINT_IMPLICIT);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_THAT(notes[0], HasSubstr("'implicit'"));
 }
 
 TEST_F(NewerMjcfTest, ElementsKeepTheirLines) {
@@ -209,6 +211,41 @@ TEST_F(NewerMjcfTest, ShapesWithoutAFileAreLeftOutWhereNoMassComesFromThem) {
   EXPECT_NO_THROW(ReadModelText(Write("f.xml", WithMesh("", "<geom/>"))));  // it cannot move
   EXPECT_THROW(ReadModelText(Write("d.xml", WithMesh("<joint/>", "<geom/>"))), UserError);
   EXPECT_THROW(ReadModelText(Write("e.xml", WithMesh(inertial, "<geom type='box'/>"))), UserError);
+}
+
+/// A channel of 50 mm whose section, 76 mm^2, is a U; its mass is 20.0 g. `faces` replaces the last
+/// of its faces.
+std::string ChannelHand(const std::string& compiler, const std::string& inertial,
+                        const std::string& faces = "7 0 8 7 8 15") {
+  std::string vertices;
+  for (const char* const x : {"0.01", "0.06"}) {
+    for (const char* const yz : {"-.007 -.007", ".007 -.007", ".007 .007", ".005 .007",
+                                 ".005 -.005", "-.005 -.005", "-.005 .007", "-.007 .007"}) {
+      vertices += std::string(" ") + x + " " + yz;
+    }
+  }
+  return "<mujoco>" + compiler + "<asset><mesh name='channel' vertex='" + vertices +
+         "' face='0 4 1 0 5 4 1 3 2 1 4 3 0 6 5 0 7 6 8 9 12 8 12 13 9 10 11 9 11 12 8 13 14 8 14 "
+         "15 0 1 9 0 9 8 1 2 10 1 10 9 2 3 11 2 11 10 3 4 12 3 12 11 4 5 13 4 13 12 5 6 14 5 14 13 "
+         "6 7 15 6 15 14 " +
+         faces + "'/></asset><worldbody><body name='phalanx'><joint/>" + inertial +
+         "<geom type='mesh' mesh='channel' density='5263'/></body></worldbody></mujoco>";
+}
+
+TEST_F(NewerMjcfTest, MassThatTheEngineCountsTwiceIsNamed) {
+  const auto notes_of = [&](const std::string& text) {
+    ReadableMjcf readable;
+    const CompiledText model(LoadModel(Write("channel.xml", text), readable), &mj_deleteModel);
+    return readable.notes;
+  };
+  const std::vector<std::string> notes = notes_of(ChannelHand("", ""));
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_THAT(notes[0], HasSubstr("'phalanx' has 45.0 g"));
+  EXPECT_THAT(notes[0], HasSubstr("has 20.0 g"));
+  EXPECT_TRUE(notes_of(ChannelHand("<compiler exactmeshinertia='true'/>", "")).empty());
+  EXPECT_TRUE(
+      notes_of(ChannelHand("", "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>")).empty());
+  EXPECT_TRUE(notes_of(ChannelHand("", "", "7 0 8")).empty());  // open: no volume is the right one
 }
 
 }  // namespace

@@ -101,8 +101,8 @@ TEST(Cables, OfFingersBendAsThoseOfOpenHands) {
   for (const int motor : FingerMotors()) {
     const Drive& drive = hand->drives()[motor];
     for (const Cable& cable : drive.cables) {
-      EXPECT_LT(cable.bend_rad * kDegPerRad, 260.0) << cable.name;
-      const double loss = cable.cord.friction_coefficient * cable.bend_rad;
+      EXPECT_LT(cable.branches[0].bend_rad * kDegPerRad, 260.0) << cable.name;
+      const double loss = cable.cord.friction_coefficient * cable.branches[0].bend_rad;
       EXPECT_GT(loss, 0.09) << cable.name;
       EXPECT_LT(loss, 0.9) << cable.name;
     }

@@ -76,7 +76,8 @@ void PrintJoints() {
         drive.name, map.joint_min_rad[motor] * kDegPerRad, map.joint_max_rad[motor] * kDegPerRad,
         1e3 * std::abs(OwnCrossing(hand->model(), drive).moment_arm_m), 1e3 * drive.drum_radius_m,
         drive.servo.stall_torque_nm, drive.servo.stall_torque_nm / drive.drum_radius_m,
-        1e-3 * drive.cables[0].cord.stiffness_n_m, drive.cables[0].bend_rad * kDegPerRad);
+        1e-3 * drive.cables[0].cord.stiffness_n_m,
+        drive.cables[0].branches[0].bend_rad * kDegPerRad);
   }
   const mjModel& model = hand->model();
   for (const char* body : {"palm", "forearm", "upper_arm"}) {

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <cstring>
+#include <memory>
+#include <string>
+
+namespace gauntlet::sim::testing {
+
+using CompiledText = std::unique_ptr<mjModel, void (*)(mjModel*)>;
+
+/// The model of an MJCF text; null if it is none.
+inline CompiledText Compiled(const std::string& text) {
+  const auto files = std::make_unique<mjVFS>();
+  mj_defaultVFS(files.get());
+  mj_makeEmptyFileVFS(files.get(), "model.xml", static_cast<int>(text.size()));
+  std::memcpy(files->filedata[0], text.data(), text.size());
+  char message[500] = "";
+  mjModel* const model = mj_loadXML("model.xml", files.get(), message, sizeof message);
+  mj_deleteVFS(files.get());
+  return {model, &mj_deleteModel};
+}
+
+}  // namespace gauntlet::sim::testing
