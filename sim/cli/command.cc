@@ -290,7 +290,7 @@ const Command* ReadCommandLine(const Command& program, const std::vector<Command
       WithoutWordsForOptions({argv + std::min(argc, 1), argv + argc});
   CLI::App app{program.purpose, program.name};
   bool all = false;
-  app.add_flag("--all", all, "list all commands")->needs(app.get_help_ptr());
+  app.add_flag("--all", all, "with --help: list all commands");
   app.set_version_flag("--version", "gauntlet " GAUNTLET_VERSION);
   app.require_subcommand(1);
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
@@ -312,7 +312,8 @@ const Command* ReadCommandLine(const Command& program, const std::vector<Command
       throw UserError("a command is missing");
     }
     app.parse(std::vector(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the end
-  } catch (const CLI::Success& request) {                          // --help, --version
+    if (all) throw UserError("--all requires --help");
+  } catch (const CLI::Success& request) {  // --help, --version
     if (app.get_subcommands().empty() && app.remaining_size() > 0) {
       const CLI::ExtrasError unknown(app.remaining());
       throw UserError(AsCalled(ExplainUsage(commands, arguments, unknown), called));
@@ -320,6 +321,7 @@ const Command* ReadCommandLine(const Command& program, const std::vector<Command
     print(request);
     return nullptr;
   } catch (const CLI::ParseError& error) {
+    if (all) throw UserError("--all requires --help");
     throw UserError(AsCalled(ExplainUsage(commands, arguments, error), called));
   }
   return FindNamed(commands, app.get_subcommands().front()->get_name());

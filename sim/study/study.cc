@@ -281,6 +281,17 @@ std::string FittedToOneGlove(const Study& study) {
   return fitted == study.scenario.controllers.end() ? "" : fitted->name;
 }
 
+void RefuseOtherGloves(const Study& study, int seeds) {
+  const std::string name = FittedToOneGlove(study);
+  if (name.empty()) return;
+  throw controller::SettingError(
+      "controllers." + name,
+      fmt::format("has the curves of one glove, but each of {} seeds draws another glove: use "
+                  "recordings of that glove, or set the deviations of glove.sensor to 0; gauntlet "
+                  "run compares controllers on one seed",
+                  seeds));
+}
+
 controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
                                 const controller::ControllerConfig& config) {
   return {.controller = config,

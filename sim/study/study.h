@@ -60,6 +60,8 @@ controller::RobotConfig RobotOf(const Scenario& scenario, const HandModel& hand,
 /// Name of a controller with curves that were measured on one glove, where each seed draws another
 /// glove; empty if there is none.
 std::string FittedToOneGlove(const Study& study);
+/// Errors: SettingError if there is one: its curves do not fit the gloves of `seeds` seeds.
+void RefuseOtherGloves(const Study& study, int seeds);
 
 /// The glove's signal of a seed.
 std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed);

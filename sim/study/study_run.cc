@@ -71,17 +71,6 @@ void RefuseLinks(const Scenario& scenario) {
   }
 }
 
-/// The curves of one glove do not fit those that other seeds draw.
-void RefuseOtherGloves(const Study& study, int seeds) {
-  const std::string name = FittedToOneGlove(study);
-  if (name.empty()) return;
-  throw controller::SettingError(
-      "controllers." + name,
-      fmt::format("has the curves of one glove, but each of {} seeds draws another glove: use "
-                  "gauntlet run, or set the deviations of glove.sensor to 0",
-                  seeds));
-}
-
 /// Runs the trials of a study on the threads that call Work().
 class StudyRun {
  public:

@@ -155,6 +155,7 @@ TuneSplit SplitOf(const TunePlan& plan, int jobs) {
   const auto is_alike = [&] { return Repeats(study, 2 * repetitions).alike(); };
   const bool has_recordings = std::ranges::any_of(study.repetitions, &GloveFacts::is_of_recording);
   if (!has_recordings) {
+    RefuseOtherGloves(study, plan.seeds + plan.held_out);
     split.is_fixed = plan.seeds + plan.held_out > repetitions && is_alike();
     return split;
   }
