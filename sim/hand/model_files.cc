@@ -124,11 +124,12 @@ void NoteMeshMasses(const fs::path& path, const mjModel& model,
   for (int body = 1; body < model.nbody; ++body) {
     const double right_kg = exact->body_mass[body];
     if (!(std::abs(model.body_mass[body] - right_kg) > kSmallShare * right_kg)) continue;
+    const char* const name = mj_id2name(&model, mjOBJ_BODY, body);
     notes.push_back(fmt::format(
-        "{}: body '{}' has {:.1f} g: MuJoCo 2.2.2 counts some volume of a mesh that is not convex "
+        "{}: body {} has {:.1f} g: MuJoCo 2.2.2 counts some volume of a mesh that is not convex "
         "more than once; with <compiler exactmeshinertia=\"true\"/> it has {:.1f} g",
-        path.string(), Shown(mj_id2name(&model, mjOBJ_BODY, body)), 1e3 * model.body_mass[body],
-        1e3 * right_kg));
+        path.string(), name == nullptr ? fmt::format("{}", body) : "'" + Shown(name) + "'",
+        1e3 * model.body_mass[body], 1e3 * right_kg));
   }
 }
 

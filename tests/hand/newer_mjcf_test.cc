@@ -242,6 +242,9 @@ TEST_F(NewerMjcfTest, MassThatTheEngineCountsTwiceIsNamed) {
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_THAT(notes[0], HasSubstr("'phalanx' has 45.0 g"));
   EXPECT_THAT(notes[0], HasSubstr("has 20.0 g"));
+  std::string unnamed = ChannelHand("", "");
+  unnamed.erase(unnamed.find(" name='phalanx'"), std::string(" name='phalanx'").size());
+  EXPECT_THAT(notes_of(unnamed), ::testing::ElementsAre(HasSubstr("body 1 has 45.0 g")));
   EXPECT_TRUE(notes_of(ChannelHand("<compiler exactmeshinertia='true'/>", "")).empty());
   EXPECT_TRUE(
       notes_of(ChannelHand("", "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>")).empty());
