@@ -1,4 +1,4 @@
-#include "sim/answers/tune/optimise.h"
+#include "sim/base/optimise.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sim/base/json.h"
+#include "sim/fit/fit_tables.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -20,10 +21,6 @@ constexpr Curve kCurves[] = {
     {"two_point", CurveKind::kTwoPoint, &CurveErrors::two_point_rms_deg},
     {"polynomial", CurveKind::kPolynomial, &CurveErrors::polynomial_rms_deg},
     {"table", CurveKind::kTable, &CurveErrors::table_rms_deg}};
-
-std::string Fixed(double value, int digits) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
-}
 
 std::string RemarkOn(const ChannelCalibration& channel) {
   std::string remark = channel.hidden_by_rounding ? "rounding hides noise" : "";
@@ -57,9 +54,9 @@ ResultTable CalibrationTable(const Calibration& calibration, const CurveErrors& 
     for (const Curve& curve : kCurves) {
       if (!has_curves) break;
       const double error = (errors.*curve.rms_deg)[i];
-      row.push_back({{error}, Fixed(error, 3), curve.kind == chosen ? '*' : ' '});
+      row.push_back({{error}, FixedText(error, 3), curve.kind == chosen ? '*' : ' '});
     }
-    row.push_back({{channel.variance_counts2}, Fixed(channel.variance_counts2, 3)});
+    row.push_back(FixedCell(channel.variance_counts2, 3));
     row.push_back({{},
                    fmt::format("{:.3f} to {:.3f}", channel.variance_low_counts2,
                                channel.variance_high_counts2)});
@@ -83,8 +80,8 @@ ResultTable ChosenTable(const Calibration& calibration, const std::vector<double
     const ChannelCalibration& channel = calibration.channels[i];
     ResultRow& row = table.rows.emplace_back();
     row.push_back(ResultCell::Text(channel.channel));
-    if (!error_deg.empty()) row.push_back(ResultCell::Text(Fixed(error_deg[i], 3)));
-    row.push_back(ResultCell::Text(Fixed(channel.variance_counts2, 3)));
+    if (!error_deg.empty()) row.push_back(ResultCell::Text(FixedText(error_deg[i], 3)));
+    row.push_back(ResultCell::Text(FixedText(channel.variance_counts2, 3)));
     row.push_back(ResultCell::Text(RemarkOn(channel)));
   }
   return table;
@@ -158,10 +155,10 @@ ResultText PredictorFitText(const PoseRecording& recording, const controller::Pr
   const std::string rms = unit + " RMS";
   const double left = 100.0 * (fit.held_out_rms / fit.hold_rms).mean();
   std::string answer =
-      fmt::format("The prediction leaves {} % of the change in the horizon", Fixed(left, 0));
+      fmt::format("The prediction leaves {} % of the change in the horizon", FixedText(left, 0));
   if (held_out) {
     answer += fmt::format(", and {} % on held-out recordings",
-                          Fixed(100.0 * (held_out->left_rms / held_out->hold_rms).mean(), 0));
+                          FixedText(100.0 * (held_out->left_rms / held_out->hold_rms).mean(), 0));
   }
   answer += fmt::format(" (mean over channels): written to {}.", file);
   if (left >= 100.0) answer += " Do not use it: without a prediction 100 % are left.";
@@ -179,7 +176,7 @@ ResultText PredictorFitText(const PoseRecording& recording, const controller::Pr
     ResultRow& row = table.rows.emplace_back();
     row.push_back(ResultCell::Text(recording.channel_names[i]));
     for (const auto& [heading, values] : columns) {
-      row.push_back(ResultCell::Text(Fixed(values[static_cast<Eigen::Index>(i)], 2)));
+      row.push_back(ResultCell::Text(FixedText(values[static_cast<Eigen::Index>(i)], 2)));
     }
   }
   ResultText text = {fmt::format("{}: {} samples at {:.6g} Hz", recording.name,

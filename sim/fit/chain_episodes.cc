@@ -12,6 +12,7 @@
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/error.h"
 #include "sim/base/student.h"
+#include "sim/fit/fit_tables.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -171,16 +172,12 @@ std::string ErrorText(const ChainResult& result) {
     if (std::isfinite(to_repeat)) to_repeats.push_back(to_repeat);
   }
   if (ratios.empty()) return "";
-  const auto range = [](const std::vector<double>& values) {
-    const auto [low, high] = std::ranges::minmax(values);
-    const std::string first = fmt::format("{:.1f}", low), last = fmt::format("{:.1f}", high);
-    return first == last ? first : first + " to " + last;
-  };
   return fmt::format(
-      "The error of the model there is {} times that in the fitted episodes{}.", range(ratios),
+      "The error of the model there is {} times that in the fitted episodes{}.",
+      RangeText(ratios, 1),
       to_repeats.empty()
           ? ""
-          : fmt::format(" and {} times the spread of repeated motions", range(to_repeats)));
+          : fmt::format(" and {} times the spread of repeated motions", RangeText(to_repeats, 1)));
 }
 
 }  // namespace
@@ -277,36 +274,24 @@ ChainResult IdentifyChain(ChainEpisodes episodes, const ChainProgress& progress)
 
 ResultTable HeldOutTable(const ChainResult& result) {
   const std::string unit = result.log().unit_known ? "deg" : "units";
-  ResultTable table{.columns = {{"part", "part"},
-                                {"fitted_episodes"},
-                                {"held_out_episodes"},
-                                {"delay_ms", "delay", "ms"},
-                                {"held_out_delay_ms",
-                                 "delay held out (95 % CI)",
-                                 "ms",
-                                 {{"value", "held_out_delay_ms"},
-                                  {"ci95_low", "held_out_delay_ms_low"},
-                                  {"ci95_high", "held_out_delay_ms_high"}}},
-                                {"fitted_rms_" + unit, "error", unit + " RMS"},
-                                {"held_out_rms_" + unit, "error held out", unit + " RMS"},
-                                {"repeat_rms_" + unit,
-                                 HasRepeats(result) ? "spread of repeats" : "", unit + " RMS"}}};
-  const auto fixed = [](double value, int digits) {
-    return ResultCell({value}, std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-");
-  };
+  ResultTable table{
+      .columns = {
+          {"part", "part"},
+          {"fitted_episodes"},
+          {"held_out_episodes"},
+          {"delay_ms", "delay", "ms"},
+          IntervalColumn("held_out_delay_ms", "delay held out (95 % CI)", "ms"),
+          {"fitted_rms_" + unit, "error", unit + " RMS"},
+          {"held_out_rms_" + unit, "error held out", unit + " RMS"},
+          {"repeat_rms_" + unit, HasRepeats(result) ? "spread of repeats" : "", unit + " RMS"}}};
   for (std::size_t p = 0; p < result.held_out.size(); ++p) {
     const HeldOutPart& part = result.held_out[p];
-    const ChainEstimate& delay = part.held_out_delay_ms;
-    ResultCell interval({delay.value, delay.low, delay.high}, "-");
-    if (std::isfinite(delay.value)) interval.text = fmt::format("{:.1f}", delay.value);
-    if (std::isfinite(delay.low)) {
-      interval.text += fmt::format(" {}({:.1f}..{:.1f})", kSoftBreak, delay.low, delay.high);
-    }
     table.rows.push_back(
         {ResultCell(result.log().parts[p]), ResultCell(static_cast<std::int64_t>(part.fitted)),
          ResultCell(static_cast<std::int64_t>(part.held_out)),
-         fixed(result.fits[p].delay_ms.value, 1), interval, fixed(part.fitted_rms_deg, 2),
-         fixed(part.held_out_rms_deg, 2), fixed(part.repeat_rms_deg, 2)});
+         FixedCell(result.fits[p].delay_ms.value, 1), IntervalCell(part.held_out_delay_ms, 1),
+         FixedCell(part.fitted_rms_deg, 2), FixedCell(part.held_out_rms_deg, 2),
+         FixedCell(part.repeat_rms_deg, 2)});
   }
   return table;
 }

@@ -341,6 +341,14 @@ ChainEpisodes LoadChainEpisodes(const std::filesystem::path& file, const ChainLo
   return result;
 }
 
+double ValueAt(std::span<const double> values, double row) {
+  const auto last = static_cast<double>(values.size() - 1);
+  const auto before = static_cast<std::size_t>(std::clamp(row, 0.0, last));
+  const std::size_t behind = std::min(before + 1, values.size() - 1);
+  return std::lerp(values[before], values[behind],
+                   std::clamp(row - static_cast<double>(before), 0.0, 1.0));
+}
+
 std::string RemarksOf(const ChainLog& log, const ChainFit& fit) {
   std::string text;
   for (const std::string& remark : fit.remarks) text += (text.empty() ? "" : "; ") + remark;

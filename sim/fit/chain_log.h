@@ -62,6 +62,9 @@ inline std::span<const double> ColumnOf(const Signal& signal, std::size_t part) 
           static_cast<std::size_t>(signal.rows())};
 }
 
+/// Value between two rows, by a straight line; constant beyond the ends.
+double ValueAt(std::span<const double> values, double row);
+
 /// Clock of the command frames for each part: the common clock of all commands, or the part's own
 /// if there is no common one. None if no clock is found.
 std::vector<std::optional<CommandClock>> FramesOf(const ChainLog& log);

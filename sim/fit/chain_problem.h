@@ -24,7 +24,6 @@ enum ChainParameter {
   kExtraLag,
   kBend,
   kSlowness,
-  kChainParameters
 };
 
 /// The parameters of a fit, and on what friction and the speed limit act. Parameters that are not

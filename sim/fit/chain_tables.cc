@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sim/base/json.h"
+#include "sim/fit/fit_tables.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -36,15 +37,6 @@ constexpr Quantity kQuantities[] = {
     {"motor_hysteresis_deg", "of motor", "deg", &ChainFit::motor_hysteresis_deg, 2, true},
     {"lost_motion_deg", "lost motion", "deg", &ChainFit::lost_motion_deg, 2, true}};
 
-ResultCell CellOf(const ChainEstimate& estimate, int digits) {
-  ResultCell cell({estimate.value, estimate.low, estimate.high}, "-");
-  if (std::isfinite(estimate.value)) {
-    cell.text = fmt::format("{:.{}f} {}({:.{}f}..{:.{}f})", estimate.value, digits, kSoftBreak,
-                            estimate.low, digits, estimate.high, digits);
-  }
-  return cell;
-}
-
 /// A key or unit of degrees; `units` if the log's unit is unknown.
 std::string InUnitOf(const ChainLog& log, std::string text) {
   const auto at = text.find("deg");
@@ -60,25 +52,17 @@ ResultTable DelayTable(const ChainLog& log, const std::vector<ChainFit>& fits,
                                 ForPeople("horizon", "ms"), ForPeople("hysteresis", unit),
                                 ForPeople("residual", unit + " RMS")}};
   const auto fixed = [](double value, int digits) {
-    return ResultCell::Text(std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-");
+    return ResultCell::Text(FixedText(value, digits));
   };
   for (std::size_t i = 0; i < fits.size(); ++i) {
     const ChainFit& fit = fits[i];
     const bool is_known = fit.problem.empty() && fit.split_problem.empty();
-    table.rows.push_back({ResultCell::Text(log.parts[i]), CellOf(fit.delay_ms, 1),
+    table.rows.push_back({ResultCell::Text(log.parts[i]), IntervalCell(fit.delay_ms, 1),
                           fixed(chain.horizon_ms.empty() ? kNaN : chain.horizon_ms[i], 1),
                           fixed(fit.hysteresis_deg.value, 2),
                           fixed(is_known ? fit.held_out_rms_deg : kNaN, 2)});
   }
   return table;
-}
-
-/// "46.0", or "46.0 to 132.6".
-std::string RangeText(const std::vector<double>& values, int digits) {
-  const auto [low, high] = std::ranges::minmax(values);
-  const std::string first = fmt::format("{:.{}f}", low, digits);
-  const std::string last = fmt::format("{:.{}f}", high, digits);
-  return first == last ? first : first + " to " + last;
 }
 
 /// "a, b and 3 others"
@@ -142,12 +126,9 @@ ResultTable ChainTable(const ChainResult& result) {
   for (const Quantity& quantity : kQuantities) {
     const bool any = std::ranges::any_of(
         fits, [&](const ChainFit& fit) { return std::isfinite((fit.*quantity.estimate).value); });
-    const std::string key = in_unit(quantity.key);
-    table.columns.push_back(
-        {key,
-         quantity.rare && !any ? "" : quantity.heading,
-         in_unit(quantity.unit),
-         {{"value", key}, {"ci95_low", key + "_low"}, {"ci95_high", key + "_high"}}});
+    table.columns.push_back(IntervalColumn(in_unit(quantity.key),
+                                           quantity.rare && !any ? "" : quantity.heading,
+                                           in_unit(quantity.unit)));
   }
   table.columns.push_back({in_unit("residual_rms_deg"), "residual", in_unit("deg")});
   table.columns.push_back({in_unit("held_out_rms_deg"), "held out", in_unit("deg")});
@@ -160,11 +141,11 @@ ResultTable ChainTable(const ChainResult& result) {
     ResultRow& row = table.rows.emplace_back();
     row = {ResultCell(log.parts[i]), problem.empty() ? ResultCell() : ResultCell(problem)};
     for (const Quantity& quantity : kQuantities) {
-      row.push_back(CellOf(fit.*quantity.estimate, quantity.digits));
+      row.push_back(IntervalCell(fit.*quantity.estimate, quantity.digits));
     }
     const bool is_known = fit.problem.empty() && fit.split_problem.empty();
     for (const double rms_deg : {fit.residual_rms_deg, fit.held_out_rms_deg}) {
-      row.push_back({{rms_deg}, is_known ? fmt::format("{:.2f}", rms_deg) : "-"});
+      row.push_back({{rms_deg}, is_known ? FixedText(rms_deg, 2) : "-"});
     }
     row.emplace_back(fit.shifted_rms_deg);
     row.push_back(ResultCell::IfAny(fit.model_text));

@@ -9,6 +9,7 @@
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/signal.h"
+#include "sim/fit/fit_tables.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -123,10 +124,7 @@ std::string Line(const std::string& key, double asked, double value, const std::
 /// Comment text: hysteresis of each part in the log and in the simulated hand with these settings.
 std::string HysteresisOfParts(const ChainLog& log, const std::vector<ChainFit>& fits,
                               const ServoTrial& trial) {
-  const auto value = [](const ChainFit& fit) {
-    return std::isfinite(fit.hysteresis_deg.value) ? fmt::format("{:.2f}", fit.hysteresis_deg.value)
-                                                   : "-";
-  };
+  const auto value = [](const ChainFit& fit) { return FixedText(fit.hysteresis_deg.value, 2); };
   std::string text =
       "# - Delay and lag of each part. Hysteresis of the log, and simulated [deg]:\n";
   for (std::size_t i = 0; i < trial.fits.size(); ++i) {

@@ -1,13 +1,13 @@
 #include "sim/fit/servo_search.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/error.h"
+#include "sim/base/optimise.h"
 #include "sim/base/signal.h"
 #include "sim/fit/chain_fit.h"
 #include "sim/fit/simulated_answer.h"
@@ -17,24 +17,30 @@ namespace {
 
 constexpr double kMostDeadTime_ms = 500.0;
 constexpr double kGrid_s = 6.0;
-constexpr double kLeastFriction = 0.01;  // scales of motors, as TryServos() has them
-constexpr double kMostFriction = 20.0;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Logarithms of damping [ms], error for full torque [deg] and the factor on friction.
-using Place = std::array<double, 3>;
+/// A range that is searched evenly in the logarithm.
+struct LogRange {
+  double low;
+  double high;
 
-constexpr Place kLow = {0.0, -0.69, -4.6};  // 1 ms, 0.5 deg, 0.01
-constexpr Place kHigh = {4.6, 4.5, 3.0};    // 100 ms, 90 deg, 20
-constexpr std::array<int, 3> kPoints = {4, 5, 4};
+  double At(double share) const { return low * std::pow(high / low, share); }
+  double ShareOf(double value) const {
+    return std::clamp(std::log(value / low) / std::log(high / low), 0.0, 1.0);
+  }
+};
+constexpr LogRange kDamping_ms = {1.0, 100.0};
+constexpr LogRange kFullTorqueError_deg = {0.5, 90.0};
+constexpr LogRange kFriction = {0.01, 20.0};  // factor on the scales of the motors
 
-AnsweringServo At(const AnsweringServo& start, const Place& place) {
+/// The servo, without dead time, at shares of the ranges.
+AnsweringServo At(const AnsweringServo& start, const std::vector<double>& place) {
   AnsweringServo servo = start;
   servo.dead_time_ms = 0.0;
-  servo.damping_ms = std::exp(place[0]);
-  servo.full_torque_error_deg = std::exp(place[1]);
+  servo.damping_ms = kDamping_ms.At(place[0]);
+  servo.full_torque_error_deg = kFullTorqueError_deg.At(place[1]);
   for (double& scale : servo.motor_friction_scale) {
-    scale = std::clamp(scale * std::exp(place[2]), kLeastFriction, kMostFriction);
+    scale = std::clamp(scale * kFriction.At(place[2]), kFriction.low, kFriction.high);
   }
   return servo;
 }
@@ -54,14 +60,6 @@ struct Tried {
   double dead_time_ms = 0.0;
 };
 
-double At(const Signal& signal, Eigen::Index column, double row) {
-  const auto before =
-      std::clamp<Eigen::Index>(static_cast<Eigen::Index>(row), 0, signal.rows() - 1);
-  const Eigen::Index behind = std::min(before + 1, signal.rows() - 1);
-  return std::lerp(signal(before, column), signal(behind, column),
-                   std::clamp(row - static_cast<double>(before), 0.0, 1.0));
-}
-
 std::size_t PartOf(const ChainLog& log, const ChainLog& answer, std::size_t part) {
   return static_cast<std::size_t>(std::ranges::find(log.parts, answer.parts[part]) -
                                   log.parts.begin());
@@ -71,25 +69,25 @@ std::size_t PartOf(const ChainLog& log, const ChainLog& answer, std::size_t part
 /// over the parts.
 double MeanSquareMiss(const ChainLog& log, const ChainLog& answer, double dead_time_ms) {
   double sum = 0.0;
-  for (Eigen::Index i = 0; i < answer.angle_deg.cols(); ++i) {
-    const auto part = static_cast<Eigen::Index>(PartOf(log, answer, static_cast<std::size_t>(i)));
+  for (std::size_t i = 0; i < answer.parts.size(); ++i) {
+    const std::span<const double> measured_deg = ColumnOf(log.angle_deg, PartOf(log, answer, i));
+    const std::span<const double> simulated_deg = ColumnOf(answer.angle_deg, i);
     double error = 0.0, whole = 0.0, squares = 0.0, count = 0.0;
-    for (auto row = static_cast<Eigen::Index>(kNotCompared_s * log.rate_hz);
-         row < log.angle_deg.rows(); ++row) {
+    for (auto row = static_cast<std::size_t>(kNotCompared_s * log.rate_hz);
+         row < measured_deg.size(); ++row) {
       const double t_s = static_cast<double>(row) / log.rate_hz;
       const double answer_row = (t_s - 1e-3 * dead_time_ms) * answer.rate_hz;
-      if (answer_row > static_cast<double>(answer.angle_deg.rows() - 1)) break;
-      const double measured_deg = log.angle_deg(row, part);
-      error += std::pow(measured_deg - At(answer.angle_deg, i, std::max(answer_row, 0.0)), 2);
-      whole += measured_deg;
-      squares += measured_deg * measured_deg;
+      if (answer_row > static_cast<double>(simulated_deg.size() - 1)) break;
+      error += std::pow(measured_deg[row] - ValueAt(simulated_deg, answer_row), 2);
+      whole += measured_deg[row];
+      squares += measured_deg[row] * measured_deg[row];
       ++count;
     }
     const double motion = squares - whole * whole / std::max(count, 1.0);
     if (!(motion > 0.0)) return kInfinity;
     sum += error / motion;
   }
-  return sum / static_cast<double>(answer.angle_deg.cols());
+  return sum / static_cast<double>(answer.parts.size());
 }
 
 /// Delay of each part, as for scores; NaN where it is not known.
@@ -140,74 +138,37 @@ Tried Try(const std::vector<Wanted>& logs, const AnsweringServo& servo, const Ha
   return tried;
 }
 
-/// The best point of the grid; `start` if none is better.
-Place LookEverywhere(const Place& start, const auto& try_place) {
-  Place best = start;
-  double least = try_place(start).miss;
-  for (int point = 0; point < kPoints[0] * kPoints[1] * kPoints[2]; ++point) {
-    Place place;
-    int rest = point;
-    for (std::size_t i = 0; i < place.size(); ++i) {
-      const double share = static_cast<double>(rest % kPoints[i]) / (kPoints[i] - 1);
-      place[i] = std::lerp(kLow[i], kHigh[i], share);
-      rest /= kPoints[i];
-    }
-    const double miss = try_place(place).miss;
-    if (miss >= least) continue;
-    least = miss;
-    best = place;
-  }
-  return best;
-}
-
 }  // namespace
 
 std::optional<AnsweringServo> SearchServo(const std::vector<ChainLog>& logs,
                                           const AnsweringServo& start, const HandConfig& usual) {
   constexpr double kNear = 0.05;
   constexpr double kSameDelay_ms = 10.0;
-  constexpr double kFirstStep = 0.6;  // of a logarithm
-  constexpr double kLastStep = 0.05;
-  constexpr int kMostRefined = 40;
-  Place place = {std::log(std::max(start.damping_ms, 1.0)),
-                 std::log(std::max(start.full_torque_error_deg, 0.5)), 0.0};
-  for (std::size_t i = 0; i < place.size(); ++i) place[i] = std::clamp(place[i], kLow[i], kHigh[i]);
+  constexpr int kEverywhere = 80;
+  constexpr int kAround = 40;
+  const auto with_delays = [](const ChainLog& log) {
+    return Wanted{.log = log, .delay_ms = DelaysOf(log)};
+  };
   std::vector<Wanted> whole;
-  for (const ChainLog& log : logs) whole.push_back({.log = log, .delay_ms = DelaysOf(log)});
-  const auto try_whole = [&](const Place& at) { return Try(whole, At(start, at), usual); };
-  Tried best = try_whole(place);
+  for (const ChainLog& log : logs) whole.push_back(with_delays(log));
+  const auto miss_of = [&](const std::vector<Wanted>& wanted) {
+    return [&](const std::vector<double>& place) {
+      return Measured{.objective = Try(wanted, At(start, place), usual).miss};
+    };
+  };
+  std::vector<double> place = {kDamping_ms.ShareOf(start.damping_ms),
+                               kFullTorqueError_deg.ShareOf(start.full_torque_error_deg),
+                               kFriction.ShareOf(1.0)};
+  Tried best = Try(whole, At(start, place), usual);
   const bool has_delay = std::abs(best.dead_time_ms - start.dead_time_ms) < kSameDelay_ms;
   if (best.miss < kNear && has_delay) return start;
   if (best.miss > kNear) {
-    const ChainLog begin = BeginOf(logs.front(), kGrid_s);
-    const std::vector<Wanted> part = {{.log = begin, .delay_ms = DelaysOf(begin)}};
-    const Place found =
-        LookEverywhere(place, [&](const Place& at) { return Try(part, At(start, at), usual); });
-    const Tried tried = try_whole(found);
-    if (tried.miss < best.miss) {
-      best = tried;
-      place = found;
-    }
+    const std::vector<Wanted> part = {with_delays(BeginOf(logs.front(), kGrid_s))};
+    const std::vector<double> found = BestOf(LookEverywhere(3, kEverywhere, miss_of(part))).place;
+    if (Try(whole, At(start, found), usual).miss < best.miss) place = found;
   }
-  int refined = 0;
-  for (double step = kFirstStep; step > kLastStep && refined < kMostRefined;) {
-    bool is_better = false;
-    for (std::size_t i = 0; i < place.size(); ++i) {
-      for (const double sign : {1.0, -1.0}) {
-        Place next = place;
-        next[i] = std::clamp(next[i] + sign * step, kLow[i], kHigh[i]);
-        if (next == place) continue;
-        const Tried tried = try_whole(next);
-        ++refined;
-        if (tried.miss >= best.miss) continue;
-        best = tried;
-        place = next;
-        is_better = true;
-        break;
-      }
-    }
-    if (!is_better) step *= 0.5;
-  }
+  place = BestOf(LookAround(place, kAround, miss_of(whole))).place;
+  best = Try(whole, At(start, place), usual);
   if (!(best.miss < 1.0)) return std::nullopt;  // a hand at rest would miss less
   AnsweringServo servo = At(start, place);
   servo.dead_time_ms = best.dead_time_ms;

@@ -17,9 +17,8 @@ namespace gauntlet::sim {
 /// behind the first 0.5 s, with the median delay of the logs. Dead time only shifts the answer of a
 /// servo of kind ideal, so it follows from the delay of an answer without it; a delay out of its
 /// reach adds to the miss. `start` is returned if it misses less than 5 % of the motion, with that
-/// delay within 10 ms. Else a grid over the ranges of damping, gain and friction is simulated, and
-/// a pattern search, whose steps are halved, begins at the best point. Both are deterministic. At
-/// most 82 answers of the first log are simulated, those of the grid up to 6 s, and 48 of all.
+/// delay within 10 ms. Else the ranges of damping, gain and friction are searched on the first 6 s
+/// of the first log, by 80 answers, then around the best by 40 answers of all logs (optimise.h).
 ///
 /// Friction is one factor on the scales of all motors of `start`. All logs have the same parts.
 /// None if no part of the log is a joint of the model, no such hand can be simulated, or the best

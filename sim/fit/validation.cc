@@ -94,10 +94,7 @@ std::vector<double> AtRate(std::span<const double> values, double rate_hz, doubl
                            Eigen::Index rows) {
   std::vector<double> result;
   for (Eigen::Index k = 0; k < rows; ++k) {
-    const double row = static_cast<double>(k) / other_hz * rate_hz;
-    const auto before = std::min(static_cast<std::size_t>(row), values.size() - 1);
-    const std::size_t behind = std::min(before + 1, values.size() - 1);
-    result.push_back(std::lerp(values[before], values[behind], row - static_cast<double>(before)));
+    result.push_back(ValueAt(values, static_cast<double>(k) / other_hz * rate_hz));
   }
   return result;
 }
@@ -136,11 +133,8 @@ void AddEpisode(const ValidatedCurve& curve, Sums& sums) {
   }
   for (std::size_t k = first; k < rows; ++k) {
     const double error = std::pow(curve.measured_deg[k] - curve.simulated_deg[k], 2);
-    const double then = std::max(0.0, static_cast<double>(k) - 1e-3 * measured_ms * curve.rate_hz);
-    const auto before = static_cast<std::size_t>(then);
     const double command_deg =
-        std::lerp(curve.command_deg[before], curve.command_deg[std::min(before + 1, rows - 1)],
-                  then - static_cast<double>(before));
+        ValueAt(curve.command_deg, static_cast<double>(k) - 1e-3 * measured_ms * curve.rate_hz);
     sums.error += error;
     sums.motion += std::pow(curve.measured_deg[k] - mean_deg, 2);
     sums.shifted += std::pow(curve.measured_deg[k] - command_deg, 2);

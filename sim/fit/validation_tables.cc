@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sim/base/json.h"
+#include "sim/fit/fit_tables.h"
 #include "sim/fit/validation.h"
 
 namespace gauntlet::sim {
@@ -81,13 +82,11 @@ Verdict VerdictOf(const Validation& validation) {
   if (holds.empty()) {
     verdict.AddReason("holds", "The simulated servo is a model of no part.");
   } else {
-    const std::string first = fmt::format("{:.0f}", 100.0 * least);
-    const std::string last = fmt::format("{:.0f}", 100.0 * most);
     verdict.AddReason(
         "holds", fmt::format("The simulated servo is a model of {} of {} part{}: error {} % of the "
                              "motion in held-out episodes, delay within {:.1f} ms.",
                              holds.size(), all, all == 1 ? "" : "s",
-                             first == last ? first : first + " to " + last, most_ms));
+                             RangeText({100.0 * least, 100.0 * most}, 0), most_ms));
     verdict.recommended = holds.size() == all ? "holds" : "holds in part";
   }
   for (const std::string& doubt : failed) verdict.AddWarning("does_not_hold", doubt);
@@ -114,12 +113,7 @@ ResultTable ValidationTable(const Validation& validation) {
                                 {"episodes"},
                                 {"measured_delay_ms", "delay measured", "ms"},
                                 {"simulated_delay_ms", "delay simulated", "ms"},
-                                {"delay_difference_ms",
-                                 "",
-                                 "ms",
-                                 {{"value", "delay_difference_ms"},
-                                  {"ci95_low", "delay_difference_ms_low"},
-                                  {"ci95_high", "delay_difference_ms_high"}}},
+                                IntervalColumn("delay_difference_ms", "", "ms"),
                                 {"error_rms_deg", "error", "deg RMS"},
                                 {"share_of_motion", "error of motion"},
                                 {"shifted_rms_deg", "by delay alone", "deg RMS"},
@@ -127,27 +121,22 @@ ResultTable ValidationTable(const Validation& validation) {
                                 {"rest_share"},
                                 {"slow_share"},
                                 {"fast_share"}}};
-  const auto fixed = [](double value, int digits) {
-    return ResultCell({value}, std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-");
-  };
   for (const ValidatedPart& part : validation.parts) {
     const double share = part.share_of_motion();
     table.rows.push_back(
         {ResultCell(part.part),
          ResultCell::IfAny(part.problem),
          ResultCell(static_cast<std::int64_t>(part.episodes)),
-         fixed(part.measured_delay_ms, 1),
-         fixed(part.simulated_delay_ms, 1),
-         {{part.delay_difference_ms.value, part.delay_difference_ms.low,
-           part.delay_difference_ms.high},
-          ""},
-         fixed(part.rms_deg, 2),
+         FixedCell(part.measured_delay_ms, 1),
+         FixedCell(part.simulated_delay_ms, 1),
+         IntervalCell(part.delay_difference_ms, 1),
+         FixedCell(part.rms_deg, 2),
          {{share}, std::isfinite(share) ? fmt::format("{:.0f} %", 100.0 * share) : "-"},
-         fixed(part.shifted_rms_deg, 2),
-         fixed(part.repeat_rms_deg, 2),
-         fixed(part.speed_share[0], 2),
-         fixed(part.speed_share[1], 2),
-         fixed(part.speed_share[2], 2)});
+         FixedCell(part.shifted_rms_deg, 2),
+         FixedCell(part.repeat_rms_deg, 2),
+         FixedCell(part.speed_share[0], 2),
+         FixedCell(part.speed_share[1], 2),
+         FixedCell(part.speed_share[2], 2)});
   }
   return table;
 }

@@ -9,10 +9,10 @@
 #include <fstream>
 
 #include "controller/filters/filter_registry.h"
-#include "sim/answers/tune/optimise.h"
 #include "sim/answers/tune/tune_tables.h"
 #include "sim/base/error.h"
 #include "sim/base/normal_pair.h"
+#include "sim/base/optimise.h"
 #include "sim/base/random.h"
 #include "sim/study/scenario/scenario_reader.h"
 #include "tests/support/program.h"

@@ -10,9 +10,9 @@
 #include <sstream>
 
 #include "controller/number.h"
-#include "sim/answers/tune/optimise.h"
 #include "sim/answers/tune/tune_bench.h"
 #include "sim/base/error.h"
+#include "sim/base/optimise.h"
 #include "sim/base/text.h"
 #include "sim/score/priority.h"
 #include "sim/score/statistics/result_cells.h"

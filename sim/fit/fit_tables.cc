@@ -1,0 +1,39 @@
+#include "sim/fit/fit_tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gauntlet::sim {
+
+std::string FixedText(double value, int digits) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
+}
+
+std::string RangeText(const std::vector<double>& values, int digits) {
+  const auto [low, high] = std::ranges::minmax(values);
+  const std::string first = FixedText(low, digits), last = FixedText(high, digits);
+  return first == last ? first : first + " to " + last;
+}
+
+ResultCell FixedCell(double value, int digits) { return {{value}, FixedText(value, digits)}; }
+
+ResultCell IntervalCell(const ChainEstimate& estimate, int digits) {
+  ResultCell cell({estimate.value, estimate.low, estimate.high}, FixedText(estimate.value, digits));
+  if (std::isfinite(estimate.low)) {
+    cell.text += fmt::format(" {}({:.{}f}..{:.{}f})", kSoftBreak, estimate.low, digits,
+                             estimate.high, digits);
+  }
+  return cell;
+}
+
+ResultColumn IntervalColumn(const std::string& key, const std::string& heading,
+                            const std::string& unit) {
+  return {key,
+          heading,
+          unit,
+          {{"value", key}, {"ci95_low", key + "_low"}, {"ci95_high", key + "_high"}}};
+}
+
+}  // namespace gauntlet::sim
