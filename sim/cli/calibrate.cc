@@ -70,28 +70,28 @@ struct CalibrateOptions {
                 .shows_default = true},
                "curve in the file: table (a corner per pose), two_point or polynomial"),
         Option("--degree", &calibration.degree, {.range = {1, 9}, .shows_default = true},
-               "of the polynomial"),
+               "degree of the polynomial"),
         Option("--confidence", &calibration.confidence_percent,
                {.range = {1.0, 99.9999}, .shows_default = true},
-               "of the intervals of R, in percent"),
+               "confidence level of the intervals of R, in percent"),
         Option("--map", &format.map, {.value = "FILE.csv", .offer = Offer::kFiles},
-               "column map, or the name of a preset: which columns are sensors of which channels, "
-               "and the time; what it says of scales does not matter, of bits it does"),
+               "column map, or the name of a preset: sensors and channels of the columns, bits and "
+               "the time; scales are not used"),
         ArrayOptions(format.array),
         Option("--still", &still, {.value = "a:b"},
-               "from a to b seconds after the first row the hand is still; may be repeated "
-               "[stretches are found in which no sensor moves]"),
+               "the hand is still from a to b seconds after the first row; may be repeated "
+               "[stretches in which no sensor moves]"),
         Option("--poses", &format.poses, {.value = "FILE.csv", .offer = Offer::kFiles},
                "table of the known poses: start_s, end_s (or until the next), NAME_deg"),
         Option("--settle-ms", &format.settle_ms, {.range = {0.0, 1e6}, .shows_default = true},
-               "a pose counts from so long after its angle last changed; 0 if angles were measured "
-               "and never stand still"),
+               "time after the last change of an angle from which its pose counts; 0 for measured "
+               "angles that never stand still"),
         Option("--rate-hz", &format.rate_hz, {.range = {1.0, 1e6}, .shows_default = true},
-               "of a recording without a column of time"),
+               "sampling rate of a recording without a column of time"),
         Option("--full-scale", &format.full_scale_counts,
                {.range = {-1e9, 1e9}, .shows_default = true, .separator = ',', .is_one_word = true},
-               "of the converter, in counts (or volts), unless the map says its bits; one for all "
-               "channels or one for each column; values at either end are not used"),
+               "full scale of the converter, in counts (or volts), unless the map has its bits; "
+               "one for all channels or one for each column; values at either end are not used"),
         Option("--min-counts", &format.min_counts,
                {.range = {-1e9, 1e9}, .shows_default = true, .separator = ',', .is_one_word = true},
                "smallest value of the converter, below 0 for signed counts; one, or one for each"),
@@ -102,27 +102,27 @@ struct CalibrateOptions {
   Options PredictorRows() {
     return {
         Option("--predictor", &predictor, {.excludes = {"--still", "--poses"}},
-               "fit the weights of a prediction {kind: fitted} instead, to motions like those that "
-               "will come"),
+               "fit the weights of a prediction {kind: fitted} instead; record motions like those "
+               "to predict"),
         OfPredictor("--horizon-ms", &fit.horizon_ms, {0.0, 1000.0},
-                    "how far it looks ahead, one for all channels or one for each"),
-        OfPredictor("--order", &fit.order, {1, 1000}, "how many taps of the past it looks at"),
+                    "prediction horizon, one for all channels or one for each"),
+        OfPredictor("--order", &fit.order, {1, 1000}, "number of taps in the past"),
         OfPredictor("--tap-ms", &fit.tap_ms, {0.1, 1000.0},
-                    "length of a tap, over which samples are averaged"),
+                    "length of a tap; its samples are averaged"),
         OfPredictor("--caution", &fit.caution, {1.0, 1e6},
-                    "fit as if the noise had so many times its variance"),
+                    "factor on the variance of the noise in the fit"),
         Option("--calibration", &curves,
                {.value = "FILE.yaml", .offer = Offer::kFiles, .needs = {"--predictor"}},
-               "file of gauntlet calibrate, whose curves make angles of counts: for --offset"),
+               "file of gauntlet calibrate with the curves from counts to angles: for --offset"),
         Option("--offset", &fit.offset, {.needs = {"--predictor", "--calibration"}},
-               "look at where a channel is, too; it is then drawn to where such motions go, also "
-               "at rest"),
+               "also use the angle of the channel; predictions then tend to usual angles, also at "
+               "rest"),
         Option("--all-channels", &fit.all_channels, {.needs = {"--predictor", "--offset"}},
-               "look at where all channels are and how they move, too; worth it where fingers "
-               "move together"),
+               "also use angles and motion of all other channels; better where fingers move "
+               "together"),
         Option("--held-out", &held_out,
                {.value = "FILE.csv", .offer = Offer::kFiles, .needs = {"--predictor"}},
-               "another recording, which is not fitted to, but judged; may be repeated"),
+               "another recording, to judge the fit; may be repeated"),
         Option("--json", &json, {.excludes = {"--predictor"}}, "print JSON instead of the table"),
         VerboseOption(verbose, "also print all curves, confidence intervals and methods"),
         terminal.Rows(),
@@ -130,9 +130,9 @@ struct CalibrateOptions {
   }
 
   static constexpr auto kNotes = R"(
-Known angles are empty where they are not known. Stretches in which no sensor moves for half
-a second or more give R; spikes and values beyond the scale are left out and counted. A
-scenario takes channels by the names of gauntlet list channels.
+Leave unknown angles empty. R is measured in stretches of half a second or more in which no
+sensor moves. Spikes and values beyond the scale are left out and counted. Name the channels as
+gauntlet list channels does.
 
 A table of poses, in seconds from the recording's first row:
   name,start_s,end_s,index_mcp_deg,index_pip_deg

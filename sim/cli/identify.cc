@@ -43,9 +43,9 @@ struct IdentifyOptions {
   Options Rows() {
     return {
         Argument("log", &log, Offer::kFiles,
-                 "table with a time, and NAME_command_deg and NAME_deg per joint or motor, and "
-                 "NAME_motor_deg for what a joint's motor did, if known; or an output folder of "
-                 "run, or its trace.h5"),
+                 "table with a time, NAME_command_deg and NAME_deg for each joint or motor, and "
+                 "NAME_motor_deg for the angle of a joint's motor, if known; or an output folder "
+                 "of run, or its trace.h5"),
         OutOption(out, "file to write [out/<log>.chain.yaml]", "FILE.yaml"),
         Option("--from", &from,
                {.value = "SIGNAL", .choices = {"wearer", "target"}, .shows_default = true},
@@ -72,27 +72,30 @@ struct IdentifyOptions {
   }
 
   static constexpr auto kNotes = R"(
-The delay is the shift in time that makes command and angle most alike. The model behind the
-rest: dead time, play, a lag of second order, gain and offset. Friction with stretch (Dahl), a third
-pole or a zero, a speed limit, a load and lost motion are added where held-out parts of the log are
-predicted better. A value that the log does not determine is withheld, and the remark says what is
-needed. A log of 10 s or more of motion at several speeds determines most values.
+The delay is the time shift with the best match of command and angle. The other values
+belong to a model: dead time, play, a lag of second order, gain and offset. The model gets
+more parts where they predict held-out parts of the log better: friction with stretch (Dahl),
+a third pole or a zero, a speed limit, a load, lost motion. A value that the log does not
+determine is withheld; a remark has the reason. A log of 10 s or more with motion at several
+speeds determines most values.
 
 Other usual names of columns are read, too: target/actual, goal_position/present_position, cmd/pos,
-action.X/observation.state.X. Other columns are ignored with a remark. If the names have no unit
-and the values do not tell it, the unit is unknown; --unit sets it.
+action.X/observation.state.X. Other columns are ignored with a remark. Use --unit if neither the
+names nor the values determine the unit.
 
-Between rows a smooth command counts as a smooth curve, at 50 Hz or more. One that steps at every
-n-th row (n of 2 or more) steps there, as in a log that is written where commands are sent; if that
-is every row, say --held. A log that is written beside sees frames up to a row late: if they come
-at an even pace, 4 % or more longer than a row and each within an eighth of a row of its time,
-when they were sent is found from the rows, and said. If not, or if the command is rounded so that
-nearly all steps are as large, straight lines go from row to row, and the dead time is wrong by
-half a row: then log at 200 Hz or more. Any other command counts as straight lines, too.
+Commands between rows:
+- A smooth command is interpolated as a smooth curve, at 50 Hz or more.
+- A command that steps at every n-th row (n of 2 or more) steps there. Use
+  --held if it steps at every row, as in a log of the program that sends it.
+- A log of another program contains command frames up to a row late. Their
+  times are found if their period is even and 4 % or more above that of the
+  rows, with jitter below an eighth of a row.
+- Any other command is interpolated by straight lines. Its dead time can be
+  wrong by half a row: log at 200 Hz or more.
 
-Beside FILE.chain.yaml stand FILE.html, what was measured beside what the model makes of the same
-command, and FILE.hand.yaml, the servo with which the simulated hand answers so; not where the
-log begins with the wearer (--from wearer), as that chain is more than the hand.
+FILE.html shows the measured angle and that of the model. FILE.hand.yaml is the servo with which
+the simulated hand answers commands alike. A log from the wearer (--from wearer) gives no servo:
+its chain is more than the hand.
 
 Example:
   gauntlet run scenarios/probe_chain.yaml
