@@ -30,8 +30,10 @@ TEST(Summary, TiesFiltersThatDifferByNothingThatMatters) {
   for (const ControllerSummary& controller : summary.controllers) {
     for (std::size_t m = 0; m < Metrics().size(); ++m) {
       EXPECT_NE(controller.to_best[m].judgement, Judgement::kWorse) << Metrics()[m].key;
-      // In so short a motion some seeds have no start from rest; nothing is gripped at all.
+      // Nothing is gripped. In so short a motion at most a few movements begin from rest, and
+      // friction decides when the hand follows.
       if (controller.summary[m].count < std::ssize(result.seeds)) continue;
+      if (Metrics()[m].key == "onset_delay_ms") continue;
       EXPECT_TRUE(controller.as_good_as_best[m]) << controller.name << " " << Metrics()[m].key;
       ++scores;
     }
