@@ -28,8 +28,10 @@
 #include "sim/tables/parquet_file.h"
 #include "sim/tables/rosbag_file.h"
 #include "sim/tables/source_bytes.h"
+#include "sim/tables/storage_file.h"
 #include "sim/tables/table_pipe.h"
 #include "sim/tables/text_forms.h"
+#include "sim/tables/trc_file.h"
 #include "sim/tables/utf16.h"
 
 namespace gauntlet::sim {
@@ -241,7 +243,7 @@ std::shared_ptr<const Table> Received(PipeReader& pipe) {
 
 bool HasArrays(FileFormat format) {
   return format != FileFormat::kText && format != FileFormat::kUtf16 &&
-         format != FileFormat::kBvh && format != FileFormat::kEmpty && !HasTopics(format);
+         format != FileFormat::kEmpty && TextReaderOf(format) == nullptr && !HasTopics(format);
 }
 
 /// Errors: UserError if it is a format that is not read.
@@ -290,8 +292,8 @@ TableInput TableOf(OpenedTable opened, const fs::path& file) {
 TableInput TextTable(const fs::path& file, FileFormat format, std::string head,
                      CsvReader::Source rest) {
   CsvReader::Source source = WithHead(std::move(head), std::move(rest));
-  if (format == FileFormat::kBvh) {
-    return std::make_shared<const Table>(TableOfBvh(file.string(), BytesOf(source)));
+  if (auto* const read = TextReaderOf(format)) {
+    return std::make_shared<const Table>(read(file.string(), BytesOf(source)));
   }
   if (format == FileFormat::kUtf16) source = Utf8Of(std::move(source));
   TableInput wide = KeypointsInColumns(file.string(), std::move(source));
@@ -299,6 +301,12 @@ TableInput TextTable(const fs::path& file, FileFormat format, std::string head,
 }
 
 }  // namespace
+
+TextReader TextReaderOf(FileFormat format) {
+  if (format == FileFormat::kBvh) return TableOfBvh;
+  if (format == FileFormat::kStorage) return TableOfStorage;
+  return format == FileFormat::kTrc ? TableOfTrc : nullptr;
+}
 
 OpenedTable OpenStoredTable(const fs::path& file, const std::string& array) {
   const std::vector<fs::path> parts = DataSetFiles(file);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/tables/array_table.h"
@@ -22,6 +23,10 @@ struct OpenedTable {
   std::vector<ListedTopic> topics = {};  // of a file of messages, and which is its table
   std::optional<TableInput> table = {};  // none: no topic is taken
 };
+
+/// Reader of a text that becomes a Table; null for other formats.
+using TextReader = Table (*)(const std::string& name, std::string_view text);
+TextReader TextReaderOf(FileFormat format);
 
 /// `array` chooses of a file with arrays, as in ListArrays(), or a topic of a file of messages, as
 /// in ListTopics(). Keypoints of a hand become angles, see AnglesOfKeypoints().

@@ -55,13 +55,12 @@ CsvReader::CsvReader(std::string name, TableInput input, ProblemHandling handlin
   ReadFirstLine();
 }
 
-/// Rows are numbered as if the names were in line 1.
 void CsvReader::UseTable(const Table& table) {
   header_ = table.names();
   column_count_ = header_.size();
   row_ = 1;
   if (table.rows == 0) FailInRow(1, 1, "the file holds no data");
-  first_row_line_ = 2;
+  first_row_line_ = table.first_line;
   meanings_.assign(column_count_, Meaning::kNumber);
 }
 
@@ -314,6 +313,44 @@ double CsvReader::Number(std::string_view cell, std::size_t column) {
     return kMissing;
   }
   return *value;
+}
+
+Table TableOfText(CsvReader reader) {
+  Table table{.columns = {}, .remarks = {}, .first_line = reader.first_row()};
+  for (std::size_t c = 0; c < reader.column_count(); ++c) {
+    table.columns.push_back({.name = c < reader.header().size() ? reader.header()[c] : ""});
+  }
+  std::vector<bool> has_texts(table.columns.size(), false);
+  std::vector<std::string> cells;
+  for (; reader.NextRow(cells); ++table.rows) {
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      std::string number = cells[c];
+      if (reader.separator() != ',') std::ranges::replace(number, ',', '.');
+      const std::optional<double> value = NumberOrMissing(number);
+      if (!value && !cells[c].empty()) has_texts[c] = true;
+      table.columns[c].numbers.push_back(value.value_or(kMissing));
+      table.columns[c].texts.push_back(std::move(cells[c]));
+    }
+  }
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    if (has_texts[c]) {
+      table.columns[c].numbers.clear();
+    } else {
+      table.columns[c].texts.clear();
+    }
+  }
+  return table;
+}
+
+Table TableOfText(CsvReader reader, std::optional<std::int64_t> rows, bool has_last_line_end) {
+  Table table = TableOfText(std::move(reader));
+  const auto found = static_cast<std::int64_t>(table.rows);
+  if (rows && *rows != found) {
+    table.remarks.push_back(
+        fmt::format("the header says {} rows, the file has {}, which are read", *rows, found));
+  }
+  table.is_cut = rows > found && !has_last_line_end;
+  return table;
 }
 
 CsvReader::Source FileSource(const std::filesystem::path& path) {

@@ -86,6 +86,8 @@ class CsvReader {
   std::vector<std::string> remarks() const {
     return table_ ? table_->remarks : std::vector<std::string>();
   }
+  /// Unit of the angles in the Table.
+  std::string angle_unit() const { return table_ ? table_->angle_unit : ""; }
 
   /// A cell or the name of a column as it may stand in a message: short, printable, in quotes.
   /// '...' stands for what may be of no table at all: for letters in a file of one column, and for
@@ -126,6 +128,12 @@ class CsvReader {
   std::size_t first_row_line_ = 0;
   std::size_t row_ = 0;
 };
+
+/// The table of all rows of a text. A column has texts if one of its cells is no number.
+Table TableOfText(CsvReader reader);
+/// TableOfText() where the header of the text gives the number of rows. Another number is a remark.
+/// The last row is incomplete if rows are missing and its line has no end.
+Table TableOfText(CsvReader reader, std::optional<std::int64_t> rows, bool has_last_line_end);
 
 /// A source that reads a file. Throws UserError if it cannot be opened.
 CsvReader::Source FileSource(const std::filesystem::path& path);

@@ -17,15 +17,15 @@
 #include "sim/tables/echo_file.h"
 #include "sim/tables/octave_text.h"
 #include "sim/tables/source_bytes.h"
+#include "sim/tables/storage_file.h"
 #include "sim/tables/time_columns.h"
+#include "sim/tables/trc_file.h"
 
 namespace gauntlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
 using namespace std::string_view_literals;
-
-constexpr std::size_t kHeadBytes = 4096;
 
 struct Signature {
   std::string_view bytes;  // at the beginning of the file
@@ -52,10 +52,12 @@ struct FormatFacts {
   std::string_view way_out = "";
 };
 const FormatFacts& FactsOf(FileFormat format) {
-  static constexpr std::array<FormatFacts, 23> kFacts = {{
+  static constexpr std::array<FormatFacts, 25> kFacts = {{
       {FileFormat::kText, "text"},
       {FileFormat::kUtf16, "UTF-16 text"},
       {FileFormat::kBvh, "BVH"},
+      {FileFormat::kStorage, "OpenSim storage"},
+      {FileFormat::kTrc, "TRC"},
       {FileFormat::kEmpty, "empty"},
       {FileFormat::kJson, "JSON"},
       {FileFormat::kNpy, "NPY of NumPy"},
@@ -235,6 +237,8 @@ FileFormat FormatOfBytes(std::string_view head) {
     return FileFormat::kUrdf;
   }
   if (IsBvh(head)) return FileFormat::kBvh;
+  if (IsStorage(head)) return FileFormat::kStorage;
+  if (IsTrc(head)) return FileFormat::kTrc;
   if (IsOctaveText(head)) return FileFormat::kOctave;
   if (IsEcho(head)) return FileFormat::kRosEcho;
   return IsJson(head) ? FileFormat::kJson : FileFormat::kText;
@@ -276,16 +280,6 @@ void CheckFolder(const fs::path& file) {
                         "set of LeRobot or a ROS 2 bag"
                       : "is a folder without data/*/*.parquet (LeRobot), .db3 or .mcap "
                         "(ROS 2); name a file in it"});
-}
-
-FileFormat FormatOfFile(const std::filesystem::path& file) {
-  const std::vector<fs::path> parts = DataSetFiles(file);
-  if (parts.empty()) {
-    CheckFolder(file);
-    return FormatOfBytes(BytesOf(FileSource(file), kHeadBytes));
-  }
-  if (parts.front().extension() == ".parquet") return FileFormat::kParquet;
-  return FormatOfBytes(BytesOf(FileSource(parts.front()), kHeadBytes));
 }
 
 std::string_view NameOf(FileFormat format) { return FactsOf(format).name; }

@@ -12,7 +12,9 @@ namespace gauntlet::sim {
 enum class FileFormat {
   kText,
   kUtf16,
-  kBvh,  // motion of a skeleton
+  kBvh,      // motion of a skeleton
+  kStorage,  // of OpenSim: .mot, .sto
+  kTrc,      // positions of markers
   kEmpty,
   kJson,
   kNpy,
@@ -40,8 +42,6 @@ enum class FileFormat {
 bool IsMat4(std::string_view head);
 /// `head`: the first bytes of the file, some hundreds if it has as many.
 FileFormat FormatOfBytes(std::string_view head);
-/// A folder has the format of its DataSetFiles().
-FileFormat FormatOfFile(const std::filesystem::path& file);
 /// data/*/*.parquet in a folder, as a data set of LeRobot has them, in the order of their names. Or
 /// the files of a bag of ROS 2: those that its metadata.yaml lists, in that order; without it, .db3
 /// and .mcap files in the order of their numbers.

@@ -23,6 +23,8 @@ struct Table {
   std::size_t rows = 0;
   bool is_cut = false;               // the last row is incomplete: it has its first value only
   std::vector<std::string> remarks;  // findings about the table
+  std::size_t first_line = 2;        // of the rows, for messages
+  std::string angle_unit = {};       // deg or rad; angle: either; empty: the format has none
 
   std::vector<std::string> names() const {
     std::vector<std::string> names;

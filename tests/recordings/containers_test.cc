@@ -374,7 +374,7 @@ TEST_F(Containers, MatOfLevel4IsReadAndRefusedWhereItIsCut) {
   WriteMat(file, MAT_FT_MAT4,
            {Variable<double>("time_s", MAT_C_DOUBLE, MAT_T_DOUBLE, {2, 1}, {0.0, 0.5}),
             Variable<double>("a", MAT_C_DOUBLE, MAT_T_DOUBLE, {2, 2}, Counted(4))});
-  EXPECT_EQ(FormatOfFile(file), FileFormat::kMat);
+  EXPECT_EQ(OpenTable(file).format, FileFormat::kMat);
   EXPECT_EQ(TableOf(file), "time_s,a_1,a_2\n0,0,2\n0.5,1,3\n");
   fs::resize_file(file, fs::file_size(file) - 8);
   EXPECT_THAT(ErrorOf(file), HasSubstr("is damaged: it ends too early"));

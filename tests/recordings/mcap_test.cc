@@ -319,7 +319,7 @@ TEST_F(BagTest, IsAFolderOfParts) {
   // By number, not by letters.
   MakeBag(folder_.path() / "bag_2.db3", "sensor_msgs/msg/JointState", {message(0), message(1)});
   MakeBag(folder_.path() / "bag_10.db3", "sensor_msgs/msg/JointState", {message(2)});
-  EXPECT_EQ(FormatOfFile(folder_.path()), FileFormat::kSqlite);
+  EXPECT_EQ(OpenTable(folder_.path()).format, FileFormat::kSqlite);
   const std::string table = "time_s,a_rad\n1,0\n1.01,1\n1.02,2\n";
   EXPECT_EQ(test::TextOf(TableSource(folder_.path())), table);
   EXPECT_EQ(OpenTable(folder_.path()).topics[0].messages, 3U);

@@ -12,14 +12,14 @@
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
 #include "sim/recordings/glitches.h"
-#include "sim/recordings/keypoints/bvh_file.h"
 #include "sim/recordings/keypoints/keypoint_table.h"
 #include "sim/recordings/recording_reader.h"
+#include "sim/recordings/table_source.h"
 #include "sim/tables/file_format.h"
 
 namespace gauntlet::sim {
 
-/// One input of the fuzzer: the first byte chooses how to read, the rest is the file, text or BVH.
+/// One input of the fuzzer: the first byte chooses how to read, the rest is the file, a text.
 /// Whatever it is, the reader ends with rows of rising time and NaN, sane or far angles, or with a
 /// UserError; and only values are glitches.
 inline void ReadFuzzedRecording(const std::uint8_t* data, std::size_t size) {
@@ -30,8 +30,8 @@ inline void ReadFuzzedRecording(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
   try {
     TableInput input = TextSource(text);
-    if (FormatOfBytes(text) == FileFormat::kBvh) {
-      input = AnglesOfKeypoints("fuzz", std::make_shared<const Table>(TableOfBvh("fuzz", text)));
+    if (auto* const read = TextReaderOf(FormatOfBytes(text))) {
+      input = AnglesOfKeypoints("fuzz", std::make_shared<const Table>(read("fuzz", text)));
     }
     RecordingReader reader("fuzz", std::move(input), format);
     std::vector<double> angles(KnownChannels().size());

@@ -697,15 +697,33 @@ void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
   }
 }
 
+/// The unit of angles that the header of the file gives decides, unless the names say another. If
+/// the file only has to have one (`angle`), the size of the values decides.
+void UseUnitOfFile(const std::string& unit, std::vector<ColumnFamily>& families) {
+  constexpr double kTurn_rad = 6.6;
+  for (ColumnFamily& family : families) {
+    if (unit.empty() || family.quantity != Quantity::kSensor || family.rule.ends_with("_by_name") ||
+        HasWordOf(family.facts.words, "activation excitation")) {
+      continue;
+    }
+    family.is_assumed = unit == "angle";
+    const bool is_rad = family.is_assumed ? family.facts.reach < kTurn_rad : unit == "rad";
+    family.unit = is_rad ? RawUnit::kRadians : RawUnit::kDegrees;
+    family.why = family.is_assumed ? "angles whose unit the header of the file does not say"
+                                   : "by the header of the file";
+  }
+}
+
 void FindJoints(const TableStatistics& statistics, const std::vector<RowGroups>& groups,
                 const InspectionOptions& options, const std::optional<ColumnMap>& map,
-                Inspection& inspection) {
+                const std::string& angle_unit, Inspection& inspection) {
   const std::vector<ColumnEvidence> evidence = EvidenceOf(inspection, statistics);
   try {
-    const std::vector<ColumnFamily> families =
+    std::vector<ColumnFamily> families =
         options.columns ? GivenFamily(evidence, options.columns->first, options.columns->second)
                         : FindFamilies(evidence, inspection.has_time ? statistics.kept_times_s()
                                                                      : std::vector<double>());
+    UseUnitOfFile(angle_unit, families);
     SetJoints(families, ChooseJoints(families, inspection.layout.names, options.joints, map),
               inspection);
   } catch (const UserError& error) {
@@ -781,7 +799,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
           inspection);
   if (time.unit_is_guessed) inspection.noted_rate_hz = noted_rate_hz;
   KeepPicture(statistics, inspection);
-  FindJoints(statistics, groups, options, map, inspection);
+  FindJoints(statistics, groups, options, map, reader.angle_unit(), inspection);
   ComputeEnvelopeStatistics(file, std::move(*opened.table), time, inspection);
   return inspection;
 }

@@ -10,6 +10,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/recordings/keypoints/keypoint_layout.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/name_words.h"
 
@@ -323,13 +324,17 @@ void ChooseMuscles(const std::vector<ColumnFamily>& families, JointChoice& choic
 }
 
 /// Content of a table that has no sensors of a hand.
-std::string WithoutSensors(const std::vector<ColumnFamily>& families) {
+std::string WithoutSensors(const std::vector<ColumnFamily>& families,
+                           const std::vector<std::string>& names) {
   std::size_t positions = 0;
   for (const ColumnFamily& family : families) {
     positions += family.quantity == Quantity::kPosition ? family.columns.size() : 0;
   }
   constexpr std::size_t kLeast = 9;  // of three points, the fewest that have an angle
   if (positions < kLeast) return "no column looks like a sensor of a hand";
+  if (const std::string problem = FindKeypoints(names).problem; !problem.empty()) {
+    return fmt::format("no angles without more keypoints: the table {}", problem);
+  }
   return fmt::format(
       "{} columns are positions, not angles; points become angles if their names are a hand's: "
       "wrist_x, index_mcp_x .. little_tip_z, or the numbers 0 to 20",
@@ -359,7 +364,7 @@ JointChoice ChooseJoints(const std::vector<ColumnFamily>& families,
   if (!choice.question.empty()) return choice;
   if (sensors.empty()) {
     ChooseMuscles(families, choice);
-    if (choice.columns.empty()) choice.question = WithoutSensors(families);
+    if (choice.columns.empty()) choice.question = WithoutSensors(families, names);
     return choice;
   }
   ChooseBest(sensors, names, choice);

@@ -697,7 +697,7 @@ KeypointLayout FindKeypoints(const std::vector<std::string>& names, Quaternions 
     if (hand.missing.empty()) continue;
     layout.problem = fmt::format(
         "has no x, y and z of {}; keypoints of a hand are the wrist and four joints of each digit",
-        hand.missing.front());
+        fmt::join(hand.missing, ", "));
     return layout;
   }
   const bool is_pair = MarkPair(hands);

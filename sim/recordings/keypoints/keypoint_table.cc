@@ -36,35 +36,6 @@ std::vector<std::string> NamesIn(const std::string& name, TableInput beginning) 
   }
 }
 
-/// The table of a whole text. A column has texts if one of its cells is no number.
-Table TableOfText(const std::string& name, std::string_view text) {
-  CsvReader reader(name, TextSource(text), ProblemHandling::kRepair);
-  Table table;
-  for (std::size_t c = 0; c < reader.column_count(); ++c) {
-    table.columns.push_back({.name = c < reader.header().size() ? reader.header()[c] : ""});
-  }
-  std::vector<bool> has_texts(table.columns.size(), false);
-  std::vector<std::string> cells;
-  for (; reader.NextRow(cells); ++table.rows) {
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-      std::string number = cells[c];
-      if (reader.separator() != ',') std::ranges::replace(number, ',', '.');
-      const std::optional<double> value = NumberOrMissing(number);
-      if (!value && !cells[c].empty()) has_texts[c] = true;
-      table.columns[c].numbers.push_back(value.value_or(kMissing));
-      table.columns[c].texts.push_back(std::move(cells[c]));
-    }
-  }
-  for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    if (has_texts[c]) {
-      table.columns[c].numbers.clear();
-    } else {
-      table.columns[c].texts.clear();
-    }
-  }
-  return table;
-}
-
 /// A table with keypoints, row by row.
 struct KeypointRows {
   const Table& table;
@@ -260,7 +231,8 @@ TableInput AnglesOfKeypoints(const std::string& name, TableInput input) {
     if (layout.hands.empty()) break;
     if (!table) {
       text = head + BytesOf(*source);
-      table = std::make_shared<const Table>(TableOfText(name, text));
+      table = std::make_shared<const Table>(
+          TableOfText({name, TextSource(text), ProblemHandling::kRepair}));
     }
     const KeypointRows rows = RowsOf(*table, layout.hands);
     if (!AreHands(rows, layout.hands)) continue;  // at most once more: points in four values
