@@ -61,8 +61,8 @@ struct FilterOptions {
 
   static constexpr auto kNotes = R"(
 The table is found as gauntlet inspect finds it; lines above it are left out. Labels of a
-serial plotter (flex1:512 flex2:300) and the alpha encoding of opengloves come out as a
-table. A column of time (time, timestamp, t, with a unit as in time_ms; in s without) passes
+serial plotter (flex1:512 flex2:300), lists ([512 300]), JointState of ROS as text and the
+alpha encoding of opengloves come out as a table. A column of time (time, timestamp, t, with a unit as in time_ms; in s without) passes
 through, and k,
 frame or sample if it is the first; all others are channels, unless --columns names some.
 Another name of a time, as recv_timestamp_ms, is taken if its first 21 values rise.
@@ -270,7 +270,7 @@ TextLines::Source StandardInput() {
 void RunFilter(const FilterOptions& options) {
   EndAtSignals();  // it waits for its source, and has nothing to tidy up
   const StreamFilter settings = ReadFilter(options);
-  LiveTable table = PlainStream(StandardInput());
+  LiveTable table = PlainStream("standard input", StandardInput());
   TextLines lines("standard input", std::move(table.source));
   const StreamHead head = ReadHead(lines, !options.map.empty());
   FilterStream stream(settings, StreamTable(head, options.map, options.columns));

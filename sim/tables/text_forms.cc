@@ -18,12 +18,20 @@
 #include "sim/tables/joint_unit.h"
 #include "sim/tables/source_bytes.h"
 #include "sim/tables/time_text.h"
+#include "sim/tables/trc_file.h"
 
 namespace gauntlet::sim {
 namespace {
 
 using Cells = std::vector<std::string>;
 constexpr std::size_t kHeadLines = 40;
+
+bool IsRowOfNumbers(std::string_view line) {
+  const char separator = SeparatorOf(line);
+  return std::ranges::all_of(SplitCells(line, separator), [separator](std::string_view cell) {
+    return IsValue(cell, separator);
+  });
+}
 
 bool IsNumber(std::string_view cell) {
   const std::optional<double> number = NumberOrMissing(Trimmed(cell));
@@ -86,8 +94,6 @@ std::optional<std::vector<std::pair<std::string, std::string>>> LabelledCells(
   return cells;
 }
 
-}  // namespace
-
 std::optional<TextForm> LabelledForm(const std::vector<std::string>& head) {
   // The most frequent names: the first line of a serial port may lack its beginning.
   std::map<Cells, std::size_t> fitting;
@@ -102,7 +108,7 @@ std::optional<TextForm> LabelledForm(const std::vector<std::string>& head) {
   const auto most =
       std::ranges::max_element(fitting, {}, [](const auto& form) { return form.second; });
   if (most->second < 3 || 2 * most->second < head.size()) return std::nullopt;
-  TextForm form;
+  TextForm form{.kind = TextFormKind::kLabels};
   form.names = most->first;
   form.convert = [names = form.names](std::string_view line) -> std::optional<Cells> {
     const auto cells = LabelledCells(line);
@@ -116,8 +122,6 @@ std::optional<TextForm> LabelledForm(const std::vector<std::string>& head) {
   };
   return form;
 }
-
-namespace {
 
 // --- Lists in the cells --------------------------------------------------------------------------
 
@@ -178,8 +182,7 @@ std::optional<TextForm> ListForm(const std::vector<std::string>& head, const Lis
   const auto first = WithoutLists(head[1], &sizes);
   const Cells names = CellsWithLists(head[0]);
   if (!first || names.size() != sizes.size() || WithoutLists(head[0], nullptr)) return std::nullopt;
-  TextForm form;
-  form.has_header = true;
+  TextForm form{.kind = TextFormKind::kLists, .has_header = true};
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string name(Unquoted(Trimmed(names[i])));
     if (sizes[i] == 0) form.names.push_back(name);
@@ -243,14 +246,11 @@ std::optional<JointStateRow> JointStateIn(std::string_view line) {
   return row;
 }
 
-}  // namespace
-
 std::optional<TextForm> JointStateForm(const std::vector<std::string>& head) {
   if (head.size() < 2) return std::nullopt;
   const auto first = JointStateIn(head[0]);
   if (!first || !JointStateIn(head[1])) return std::nullopt;
-  TextForm form;
-  form.names = first->columns;
+  TextForm form{.kind = TextFormKind::kJointState, .names = first->columns};
   form.convert = [names = form.names](std::string_view line) -> std::optional<Cells> {
     const auto row = JointStateIn(line);
     if (!row || row->columns != names) return std::nullopt;
@@ -258,8 +258,6 @@ std::optional<TextForm> JointStateForm(const std::vector<std::string>& head) {
   };
   return form;
 }
-
-namespace {
 
 // --- rostopic echo -p ----------------------------------------------------------------------------
 
@@ -271,8 +269,7 @@ std::optional<TextForm> RosEchoForm(const std::vector<std::string>& head) {
   const Cells header = CellsWithLists(head[0]);
   const Cells first = CellsWithLists(head[1]);
   if (header.size() != first.size()) return std::nullopt;
-  TextForm form;
-  form.has_header = true;
+  TextForm form{.kind = TextFormKind::kJointState, .has_header = true};
   std::vector<std::size_t> kept;
   Cells joints;
   for (std::size_t c = 0; c < header.size(); ++c) {
@@ -336,8 +333,6 @@ std::optional<AlphaPairs> AlphaCells(std::string_view line) {
   return cells;
 }
 
-}  // namespace
-
 std::optional<TextForm> AlphaForm(const std::vector<std::string>& head) {
   static const std::map<char, std::string> kNames = {
       {'A', "thumb"},  {'B', "index"},      {'C', "middle"},     {'D', "ring"},
@@ -358,7 +353,7 @@ std::optional<TextForm> AlphaForm(const std::vector<std::string>& head) {
       std::ranges::max_element(fitting, {}, [](const auto& form) { return form.second; });
   if (most->second < 3 || 2 * most->second < head.size()) return std::nullopt;
   const std::string& letters = most->first;
-  TextForm form;
+  TextForm form{.kind = TextFormKind::kAlpha};
   for (const char letter : letters) form.names.push_back(kNames.at(letter));
   form.convert = [letters](std::string_view line) -> std::optional<Cells> {
     const auto cells = AlphaCells(line);
@@ -371,8 +366,6 @@ std::optional<TextForm> AlphaForm(const std::vector<std::string>& head) {
   };
   return form;
 }
-
-namespace {
 
 // --- A row per channel ---------------------------------------------------------------------------
 
@@ -467,9 +460,18 @@ std::vector<std::string> LinesOfHead(std::string_view head) {
 
 }  // namespace
 
-LiveTable PlainStream(TextLines::Source source) {
+std::optional<TextForm> FormOf(const std::vector<std::string>& head, const ListNames& known) {
+  std::optional<TextForm> form = ListForm(head, known);
+  for (const auto& find : {LabelledForm, AlphaForm, RosEchoForm, JointStateForm}) {
+    if (!form) form = find(head);
+  }
+  return form;
+}
+
+LiveTable PlainStream(const std::string& name, TextLines::Source source) {
   constexpr std::size_t kBlock = 4096;
   constexpr std::size_t kLongestHead = std::size_t{1} << 20;  // longer lines are refused
+  constexpr std::ptrdiff_t kLinesOfTrc = 6;                   // up to the one behind X1, Y1 ..
   std::string head;
   const auto read_lines = [&](std::ptrdiff_t count) {
     for (std::size_t got = 1;
@@ -483,14 +485,17 @@ LiveTable PlainStream(TextLines::Source source) {
     if (std::ssize(lines) > count) lines.resize(static_cast<std::size_t>(count));
     return lines;
   };
-  std::vector<std::string> lines = read_lines(1);
-  std::optional<TextForm> form;
-  if (!lines.empty() &&
-      (LabelledCells(lines[0]) || AlphaCells(lines[0]).value_or(AlphaPairs()).size() > 1)) {
-    lines = read_lines(4);
-    form = LabelledForm(lines);
-    if (!form) form = AlphaForm(lines);
+  const std::vector<std::string> first = read_lines(1);
+  if (first.empty()) return {WithHead(std::move(head), std::move(source))};
+  if (first[0].starts_with("PathFileType")) read_lines(kLinesOfTrc);
+  if (IsTrc(head)) {
+    const TrcHeader header = ReadTrcHeader(name, head);
+    return {WithHead(header.names + head.substr(header.bytes), std::move(source))};
   }
+  const bool has_labels =
+      LabelledCells(first[0]) || AlphaCells(first[0]).value_or(AlphaPairs()).size() > 1;
+  std::optional<TextForm> form;
+  if (has_labels || !IsRowOfNumbers(first[0])) form = FormOf(read_lines(has_labels ? 4 : 2));
   source = WithHead(std::move(head), std::move(source));
   if (!form) return {std::move(source)};
   const auto text = std::make_shared<PlainText>(std::move(*form), std::move(source));
@@ -508,11 +513,7 @@ TextLines::Source PlainTable(TextLines::Source source, const ListNames& known) {
     if (head.size() < kMostTurned) return WithHead(Turned(std::move(head)), nullptr);
     return WithHead(std::move(head), std::move(source));
   }
-  std::optional<TextForm> form = ListForm(lines, known);
-  for (const auto& find : {LabelledForm, AlphaForm, RosEchoForm, JointStateForm}) {
-    if (!form) form = find(lines);
-  }
-  if (form) {
+  if (auto form = FormOf(lines, known)) {
     const auto text =
         std::make_shared<PlainText>(std::move(*form), WithHead(std::move(head), std::move(source)));
     return [text](char* buffer, std::size_t size) { return text->Read(buffer, size); };

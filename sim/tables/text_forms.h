@@ -29,19 +29,20 @@ using ListNames = std::map<std::string, std::vector<std::string>>;
 /// Rows that do not fit become comments. The separator is the comma then.
 TextLines::Source PlainTable(TextLines::Source source, const ListNames& known = {});
 
+enum class TextFormKind { kLists, kLabels, kAlpha, kJointState };
+
 /// A form of text in which each line is a row.
 struct TextForm {
-  std::vector<std::string> names;  // of the plain table's columns
+  TextFormKind kind = TextFormKind::kLists;
+  std::vector<std::string> names = {};  // of the plain table's columns
   /// The cells of a line in the plain table; none if it does not fit.
-  std::function<std::optional<std::vector<std::string>>(std::string_view line)> convert;
+  std::function<std::optional<std::vector<std::string>>(std::string_view line)> convert = {};
   bool has_header = false;  // the first line of the text contains names
 };
 
-/// The form of labels, of the alpha encoding, or of JointState, if at least three of these lines
-/// (of JointState the first two) and half of them have it.
-std::optional<TextForm> LabelledForm(const std::vector<std::string>& head);
-std::optional<TextForm> AlphaForm(const std::vector<std::string>& head);
-std::optional<TextForm> JointStateForm(const std::vector<std::string>& head);
+/// The form of a text that begins with these lines. Labels and the alpha encoding need three of
+/// them and half of them, all other forms the first two.
+std::optional<TextForm> FormOf(const std::vector<std::string>& head, const ListNames& known = {});
 
 /// A text that comes line by line.
 struct LiveTable {
@@ -49,8 +50,8 @@ struct LiveTable {
   std::shared_ptr<const std::size_t> left_out = {};  // lines that do not fit; none: not converted
 };
 
-/// Plain table of a live stream whose first line has labels or the alpha encoding: its first four
-/// lines decide. Any other stream is unchanged after its first line.
-LiveTable PlainStream(TextLines::Source source);
+/// Plain table of a live stream. Its first two lines decide, or four if the first one has labels or
+/// the alpha encoding; a first line of numbers alone is a row. `name` stands for it in messages.
+LiveTable PlainStream(const std::string& name, TextLines::Source source);
 
 }  // namespace gauntlet::sim

@@ -132,6 +132,24 @@ TEST(TextFrames, AreTheAlphaEncodingOfLucidgloves) {
   EXPECT_EQ(made.decoder->counts().garbage, 1u);
 }
 
+TEST(TextFrames, HaveListsInTheirCells) {
+  Decoded made = Stream();
+  made.Decode("boot\nt_s,flex\n0.0,[512 300]\n0.1,\"[511, 301]\"\n0.2,[5]\n0.3,[510 302]\n");
+  EXPECT_EQ(made.decoder->format(), FrameFormat::kCsv);
+  EXPECT_THAT(made.decoder->columns().names, ElementsAre("t_s", "flex_1", "flex_2"));
+  EXPECT_EQ(made.Values(), (Rows{{0.0, 512, 300}, {0.1, 511, 301}, {0.3, 510, 302}}));
+  EXPECT_EQ(made.decoder->counts().garbage, 2u);
+}
+
+TEST(TextFrames, ArePrintedJointStates) {
+  Decoded made = Stream();
+  made.Decode("%time,field.header.seq,field.name0,field.position0\n1500000000000000000,1,j1,0.1\n")
+      .Decode("1500000000010000000,2,j1,0.3\n1500000000020000000,3,j2,0.5\n");
+  EXPECT_THAT(made.decoder->columns().names, ElementsAre("%time", "field.header.seq", "j1_rad"));
+  EXPECT_EQ(made.Values(), (Rows{{1.5e18, 1, 0.1}, {1.50000000001e18, 2, 0.3}}));
+  EXPECT_EQ(made.decoder->counts().garbage, 1u);
+}
+
 TEST(TextFrames, AreJsonByNames) {
   Decoded made(FrameFormat::kDetect, ByteFlow::kPackets);
   made.Packet(R"({"seq":1,"t_s":0.5,"flex":[512,300],"name":"right"})")

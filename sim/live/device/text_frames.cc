@@ -127,7 +127,7 @@ class CsvForm : public LineForm {
   char separator_;
 };
 
-// --- Labels, alpha encoding, JointState ----------------------------------------------------------
+// --- Labels, alpha encoding, JointState, lists ---------------------------------------------------
 
 class TableForm : public LineForm {
  public:
@@ -135,6 +135,7 @@ class TableForm : public LineForm {
       : LineForm(format, form.names, form.names.size()), form_(std::move(form)) {}
 
   Found Read(std::string_view line, std::span<double> values) override {
+    if (std::exchange(form_.has_header, false)) return Found::kNames;
     const auto cells = form_.convert(line);
     if (!cells) {
       return Fail(Found::kGarbage, "a line does not have the labels of the first ones");
@@ -149,9 +150,9 @@ class TableForm : public LineForm {
   TextForm form_;
 };
 
-std::unique_ptr<LineForm> MakeTableForm(FrameFormat format, std::optional<TextForm> form) {
-  if (!form) return nullptr;
-  return std::make_unique<TableForm>(format, std::move(*form));
+FrameFormat FormatOf(TextFormKind kind) {
+  if (kind == TextFormKind::kLabels) return FrameFormat::kLabels;
+  return kind == TextFormKind::kAlpha ? FrameFormat::kAlpha : FrameFormat::kCsv;
 }
 
 // --- JSON ----------------------------------------------------------------------------------------
@@ -334,16 +335,13 @@ std::unique_ptr<LineForm> TextFrames::FindForm() {
   }
   if (MayBe(FrameFormat::kCsv)) form = FindTable();
   if (form) return form;
-  first_ = head_.size() - std::min(head_.size(), kLinesForLabels);
-  std::vector<std::string> lines;
-  for (std::size_t i = first_; i < head_.size(); ++i) lines.push_back(head_[i].text);
-  if (MayBe(FrameFormat::kLabels)) form = MakeTableForm(FrameFormat::kLabels, LabelledForm(lines));
-  if (!form && MayBe(FrameFormat::kAlpha)) {
-    form = MakeTableForm(FrameFormat::kAlpha, AlphaForm(lines));
-  }
-  if (!form && MayBe(FrameFormat::kCsv)) {
-    first_ = head_.size() - 2;
-    form = MakeTableForm(FrameFormat::kCsv, JointStateForm({above, last}));
+  for (const std::size_t count : {kLinesForLabels, std::size_t{2}}) {
+    first_ = head_.size() - std::min(head_.size(), count);
+    std::vector<std::string> lines;
+    for (std::size_t i = first_; i < head_.size(); ++i) lines.push_back(head_[i].text);
+    auto found = FormOf(lines);
+    if (!found || !MayBe(FormatOf(found->kind))) continue;
+    return std::make_unique<TableForm>(FormatOf(found->kind), std::move(*found));
   }
   return form;
 }
