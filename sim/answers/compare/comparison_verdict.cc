@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "sim/answers/compare/choice.h"
 #include "sim/results/table_text.h"
 #include "sim/score/statistics/result_cells.h"
 
@@ -18,8 +19,6 @@ namespace {
 
 /// Share of the squared error from which on actuator saturation is worth a warning.
 constexpr double kMuchSaturation = 0.1;
-
-using Places = std::vector<std::size_t>;
 
 std::string Value(const Summary& summary, std::size_t controller, std::size_t metric) {
   return Short(summary.controllers[controller].summary[metric].mean);
@@ -32,186 +31,6 @@ std::string ValueWithUnit(const Summary& summary, std::size_t controller, std::s
 std::string NamedValue(const Summary& summary, std::size_t controller, std::size_t metric) {
   return NamedScore(metric, summary.controllers[controller].summary[metric].mean);
 }
-
-/// The controllers that the verdict is about, and the primary scores that all of them have.
-class Choice {
- public:
-  explicit Choice(const Summary& summary) : summary_(summary) {
-    for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
-      if (summary.controllers[c].rank[PrimaryScores().front().metric] > 0) all_.push_back(c);
-    }
-    for (const PrimaryScore& score : PrimaryScores()) {
-      const bool whole = std::ranges::all_of(
-          all_, [&](std::size_t c) { return summary.controllers[c].rank[score.metric] > 0; });
-      (whole ? scores_ : left_out_).push_back(score.metric);
-    }
-    const std::optional<std::size_t>& baseline = summary.baseline;
-    if (baseline && std::ranges::count(all_, *baseline) > 0 && KeepsBounds(*baseline)) {
-      baseline_ = baseline;
-    }
-    if (summary.one_run) return;
-    for (const std::size_t metric : scores_) {
-      if (const auto candidate = CandidateFor(metric)) candidates_.emplace_back(metric, *candidate);
-    }
-    best_ = For(summary_.priority.metric);
-    if (!best_) return;
-    for (const std::size_t c : all_) {
-      if (*best_ != c && KeepsBounds(c) && !IsBetter(*best_, c)) not_beaten_.push_back(c);
-    }
-    std::ranges::copy_if(not_beaten_, std::back_inserter(equivalent_),
-                         [&](std::size_t c) { return IsEquivalent(*best_, c); });
-  }
-
-  const Places& all() const { return all_; }
-  const Places& scores() const { return scores_; }
-  const Places& left_out() const { return left_out_; }
-  /// With a baseline, it or one that is better in a primary score. Without one, a controller that
-  /// is better than each other in a primary score or, where it is equivalent, in reversals.
-  std::optional<std::size_t> recommended() const {
-    const bool is_earned =
-        baseline_ || std::ranges::all_of(not_beaten_, [&](std::size_t c) {
-          return std::ranges::count(equivalent_, c) > 0 && HasFewerReversals(*best_, c);
-        });
-    return is_earned ? best_ : std::nullopt;
-  }
-  /// Equivalent to the candidate for the priority in every primary score. The baseline is none: a
-  /// controller that is recommended is better than it.
-  Places equivalent() const { return best_ && best_ != baseline_ ? equivalent_ : Places{}; }
-  /// The candidate for the priority and its equivalents, where nothing more decides between them.
-  Places any_of() const {
-    if (!best_ || recommended() || not_beaten_.size() != equivalent_.size()) return {};
-    Places any = {*best_};
-    any.insert(any.end(), equivalent_.begin(), equivalent_.end());
-    std::ranges::sort(any);
-    return any;
-  }
-  /// The candidate for the priority and those that it is better than in no primary score, where
-  /// there is no recommendation because of them.
-  Places not_beaten() const {
-    if (!best_ || recommended()) return {};
-    Places open = not_beaten_;
-    open.push_back(*best_);
-    std::ranges::sort(open);
-    return open;
-  }
-  bool decides_by_reversals() const { return !baseline_; }
-  /// Scores other than the priority with a controller that is better in them than the recommended
-  /// one.
-  std::vector<std::pair<std::size_t, std::size_t>> alternatives() const {
-    std::vector<std::pair<std::size_t, std::size_t>> better;
-    const std::optional<std::size_t> best = recommended();
-    for (const auto& [metric, c] : candidates_) {
-      const bool is_new =
-          std::ranges::find(better, c, &std::pair<std::size_t, std::size_t>::second) ==
-          better.end();
-      if (best && is_new && JudgementOf(metric, c, *best) == Judgement::kBetter) {
-        better.emplace_back(metric, c);
-      }
-    }
-    return better;
-  }
-  Judgement JudgementOf(std::size_t metric, std::size_t c, std::size_t other) const {
-    return c == other ? Judgement::kEqual : summary_.Of(metric, c, other).judgement;
-  }
-  /// By how much the first may be worse than the other, at the end of the interval.
-  double MostWorse(std::size_t metric, std::size_t c, std::size_t other) const {
-    const MeanInterval& difference = summary_.Of(metric, c, other).difference;
-    return Metrics()[metric].lower_is_better ? difference.high : -difference.low;
-  }
-  bool KeepsBounds(std::size_t c) const {
-    return std::ranges::all_of(summary_.priority.bounds, [&](const Constraint& bound) {
-      return bound.IsMetBy(summary_.controllers[c].summary[bound.metric].mean);
-    });
-  }
-
- private:
-  bool HasFewerReversals(std::size_t c, std::size_t other) const {
-    return JudgementOf(reversals_, c, other) == Judgement::kBetter;
-  }
-  /// In a primary score.
-  bool IsBetter(std::size_t c, std::size_t other) const {
-    return std::ranges::any_of(
-        scores_, [&](std::size_t m) { return JudgementOf(m, c, other) == Judgement::kBetter; });
-  }
-  /// Number of primary scores in which it is worse than the baseline.
-  std::ptrdiff_t ScoresBelowBaseline(std::size_t c) const {
-    if (!baseline_) return 0;
-    return std::ranges::count_if(
-        scores_, [&](std::size_t m) { return JudgementOf(m, c, *baseline_) == Judgement::kWorse; });
-  }
-  /// In every primary score.
-  bool IsEquivalent(std::size_t c, std::size_t other) const {
-    return std::ranges::all_of(
-        scores_, [&](std::size_t m) { return JudgementOf(m, c, other) == Judgement::kEqual; });
-  }
-  bool IsNoWorse(std::size_t metric, std::size_t c, std::size_t other) const {
-    const Judgement judgement = JudgementOf(metric, c, other);
-    if (judgement != Judgement::kUndecided) return judgement != Judgement::kWorse;
-    return MostWorse(metric, c, other) <= 2.0 * summary_.Of(metric, c, other).relevant_difference;
-  }
-  bool IsDominated(std::size_t c) const {
-    return std::ranges::any_of(all_, [&](std::size_t other) {
-      return KeepsBounds(other) && IsBetter(other, c) &&
-             std::ranges::all_of(scores_, [&](std::size_t m) { return IsNoWorse(m, other, c); });
-    });
-  }
-  std::optional<std::size_t> CandidateFor(std::size_t metric) const {
-    Places left;
-    for (const std::size_t c : all_) {
-      const bool below_baseline =
-          summary_.baseline && JudgementOf(metric, c, *summary_.baseline) == Judgement::kWorse;
-      const bool is_earned = !baseline_ || c == *baseline_ || IsBetter(c, *baseline_);
-      const bool is_candidate = KeepsBounds(c) && is_earned && !below_baseline && !IsDominated(c) &&
-                                std::ranges::all_of(all_, [&](std::size_t other) {
-                                  return !KeepsBounds(other) || IsNoWorse(metric, c, other);
-                                });
-      if (is_candidate) left.push_back(c);
-    }
-    for (const std::size_t score : Places(scores_.rbegin(), scores_.rend())) {
-      if (score != metric) KeepBest(score, left);
-    }
-    if (left.empty()) return std::nullopt;
-    if (baseline_ && std::ranges::count(left, *baseline_) > 0) return baseline_;
-    // Means of equals are chance, and change with the seeds. Of those that cost least against the
-    // baseline, reversals differ if anything does.
-    const std::size_t best = *Best(metric, left);
-    std::erase_if(left, [&](std::size_t c) { return c != best && !IsEquivalent(c, best); });
-    const std::ptrdiff_t least = ScoresBelowBaseline(
-        *std::ranges::min_element(left, {}, [&](std::size_t c) { return ScoresBelowBaseline(c); }));
-    std::erase_if(left, [&](std::size_t c) { return ScoresBelowBaseline(c) > least; });
-    return *Best(reversals_, left);
-  }
-  Places::const_iterator Best(std::size_t metric, const Places& places) const {
-    const double sign = Metrics()[metric].lower_is_better ? 1.0 : -1.0;
-    return std::ranges::min_element(places, {}, [&](std::size_t c) {
-      const double mean = summary_.controllers[c].summary[metric].mean;
-      return std::isfinite(mean) ? sign * mean : std::numeric_limits<double>::infinity();
-    });
-  }
-  /// Keeps the best of a score, and those equivalent to it.
-  void KeepBest(std::size_t metric, Places& places) const {
-    if (places.empty()) return;
-    const std::size_t best = *Best(metric, places);
-    std::erase_if(places, [&](std::size_t c) { return !IsNoWorse(metric, c, best); });
-  }
-  std::optional<std::size_t> For(std::size_t metric) const {
-    const auto found =
-        std::ranges::find(candidates_, metric, &std::pair<std::size_t, std::size_t>::first);
-    if (found == candidates_.end()) return std::nullopt;
-    return found->second;
-  }
-
-  const Summary& summary_;
-  const std::size_t reversals_ = MetricIndex("command_reversals_per_s");
-  Places all_;
-  Places scores_;                                                // in the order of PrimaryScores()
-  Places left_out_;                                              // primary scores
-  std::optional<std::size_t> baseline_;                          // if it may be recommended
-  std::vector<std::pair<std::size_t, std::size_t>> candidates_;  // score, controller
-  std::optional<std::size_t> best_;                              // candidate for the priority
-  Places not_beaten_;                                            // by it in any primary score
-  Places equivalent_;                                            // of these
-};
 
 /// "Use b: tracking error 4.45 deg RMS (raw 6.44), but delay 59 ms (raw 50); jitter equivalent."
 std::string Recommendation(const Summary& summary, const Choice& choice, std::size_t recommended) {
