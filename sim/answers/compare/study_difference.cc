@@ -62,35 +62,10 @@ std::vector<SettingDifference> DifferentSettings(const std::vector<SettingValue>
 
 // --- scores -------------------------------------------------------------------------------------
 
-std::vector<int> CommonSeeds(const ScoreFile& a, const ScoreFile& b) {
-  std::vector<int> common;
-  for (const int seed : a.seeds) {
-    if (std::find(b.seeds.begin(), b.seeds.end(), seed) != b.seeds.end()) common.push_back(seed);
-  }
-  return common;
-}
-
 DifferenceMethod MethodFor(const ScoreFile& a, const ScoreFile& b, std::size_t common_seeds) {
   if (common_seeds > 1) return DifferenceMethod::kPaired;
   const bool groups = a.seeds.size() > 1 && b.seeds.size() > 1;
   return common_seeds == 0 && groups ? DifferenceMethod::kUnpaired : DifferenceMethod::kPlain;
-}
-
-/// The scores of these seeds, in this order; all of them where there are no such seeds.
-ScoreFile OfSeeds(const std::vector<int>& seeds, ScoreFile scores) {
-  if (seeds.empty()) return scores;
-  for (auto& controller : scores.summary) {
-    for (std::vector<double>& values : controller) {
-      std::vector<double> ordered;
-      for (const int seed : seeds) {
-        const auto place = std::find(scores.seeds.begin(), scores.seeds.end(), seed);
-        ordered.push_back(values[static_cast<std::size_t>(place - scores.seeds.begin())]);
-      }
-      values = std::move(ordered);
-    }
-  }
-  scores.seeds = seeds;
-  return scores;
 }
 
 double MeanOfFinite(const std::vector<double>& values) {
@@ -181,6 +156,30 @@ bool StudyDifference::Same() const {
          channels_only_in_a.empty() && channels_only_in_b.empty() && ChangedScores() == 0;
 }
 
+std::vector<int> CommonSeeds(const std::vector<int>& a, const std::vector<int>& b) {
+  std::vector<int> common;
+  for (const int seed : a) {
+    if (std::find(b.begin(), b.end(), seed) != b.end()) common.push_back(seed);
+  }
+  return common;
+}
+
+ScoreFile OfSeeds(const std::vector<int>& seeds, ScoreFile scores) {
+  if (seeds.empty()) return scores;
+  for (auto& controller : scores.summary) {
+    for (std::vector<double>& values : controller) {
+      std::vector<double> ordered;
+      for (const int seed : seeds) {
+        const auto place = std::find(scores.seeds.begin(), scores.seeds.end(), seed);
+        ordered.push_back(values[static_cast<std::size_t>(place - scores.seeds.begin())]);
+      }
+      values = std::move(ordered);
+    }
+  }
+  scores.seeds = seeds;
+  return scores;
+}
+
 StudyDifference CompareStudies(const StudyFolder& a, const StudyFolder& b) {
   StudyDifference result;
   result.controllers_only_in_a = NotIn(a.scores.controllers, b.scores.controllers);
@@ -198,7 +197,7 @@ StudyDifference CompareStudies(const StudyFolder& a, const StudyFolder& b) {
     if (!b.scores.has_metric[m] && a.scores.has_metric[m]) result.metrics_only_in_a.push_back(key);
     if (!a.scores.has_metric[m] && b.scores.has_metric[m]) result.metrics_only_in_b.push_back(key);
   }
-  result.common_seeds = CommonSeeds(a.scores, b.scores);
+  result.common_seeds = CommonSeeds(a.scores.seeds, b.scores.seeds);
   result.method = MethodFor(a.scores, b.scores, result.common_seeds.size());
   const ScoreFile a_scores = OfSeeds(result.common_seeds, a.scores);
   const ScoreFile b_scores = OfSeeds(result.common_seeds, b.scores);

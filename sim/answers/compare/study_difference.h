@@ -60,6 +60,11 @@ struct StudyDifference {
   bool Same() const;
 };
 
+/// Seeds that both have, in the order of A.
+std::vector<int> CommonSeeds(const std::vector<int>& a, const std::vector<int>& b);
+/// The scores of these seeds, in this order; all of them where there are no such seeds.
+ScoreFile OfSeeds(const std::vector<int>& seeds, ScoreFile scores);
+
 /// Pure and deterministic.
 StudyDifference CompareStudies(const StudyFolder& a, const StudyFolder& b);
 

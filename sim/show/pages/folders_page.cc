@@ -97,11 +97,19 @@ std::vector<std::string> ControllersOf(const std::vector<StudyFolder>& folders) 
 ResultTable ScoresTable(const std::vector<StudyFolder>& folders,
                         const std::vector<StudyDifference>& differences, std::size_t metric) {
   ResultTable table = EmptyTable("controller", folders);
+  // Marks judge the shown means. One seed has no interval.
+  const bool same_seeds = std::ranges::all_of(folders, [&](const StudyFolder& folder) {
+    return folder.scores.seeds == folders.front().scores.seeds;
+  });
+  const DifferenceMethod method =
+      same_seeds ? DifferenceMethod::kPaired : DifferenceMethod::kUnpaired;
   for (const std::string& controller : ControllersOf(folders)) {
     ResultRow& row = table.rows.emplace_back(ResultRow{ResultCell::Text(controller)});
     for (std::size_t i = 0; i < folders.size(); ++i) {
       row.emplace_back(MeanOf(folders[i], controller, metric));
-      row.back().mark = MarkOf(differences[i], controller, metric);
+      if (differences[i].method == method) {
+        row.back().mark = MarkOf(differences[i], controller, metric);
+      }
     }
   }
   return table;
@@ -111,25 +119,38 @@ std::string Counted(std::size_t count, const std::string& what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
+/// Leaves the seeds that all folders have, or all of each where there are none. Returns a sentence
+/// on the means.
+std::string KeepCommonSeeds(std::vector<StudyFolder>& folders) {
+  std::vector<int> common = folders.front().scores.seeds;
+  for (const StudyFolder& folder : folders) common = CommonSeeds(common, folder.scores.seeds);
+  for (StudyFolder& folder : folders) {
+    folder.scores = OfSeeds(common, std::move(folder.scores));
+  }
+  if (common.empty()) return "Mean over the seeds of each folder: no seed is in all of them.";
+  if (common.size() == 1) return "One common seed: no confidence interval, so no marks.";
+  return fmt::format("Mean over {} common seeds.", common.size());
+}
+
 }  // namespace
 
-std::string FoldersPage(const std::vector<StudyFolder>& folders) {
+std::string FoldersPage(std::vector<StudyFolder> folders) {
   GAUNTLET_ASSERT(folders.size() >= 2);
-  const std::vector<StudyDifference> differences = DifferencesOf(folders);
-  const ResultTable settings = SettingsTable(folders, differences);
   std::vector<std::string> names, facts;
   for (std::size_t i = 0; i < folders.size(); ++i) {
     names.push_back(folders[i].name);
     facts.push_back(fmt::format("{}: {}, {}", folders[i].name, folders[i].scenario.name,
                                 Counted(folders[i].scores.seeds.size(), "seed")));
   }
+  const std::string of_seeds = KeepCommonSeeds(folders);
+  const std::vector<StudyDifference> differences = DifferencesOf(folders);
+  const ResultTable settings = SettingsTable(folders, differences);
   std::string sections;
   for (const PrimaryScore& score : PrimaryScores()) {
     const Metric& metric = Metrics()[score.metric];
     sections += PageSection(
         std::string(metric.key), fmt::format("{}, {}", ScoreHeading(score.metric), metric.unit),
-        fmt::format("Mean over the seeds of each folder. Compared with {}: * better, ! worse "
-                    "(95 % confidence interval over the common seeds).",
+        fmt::format("{} Compared with {}: * better, ! worse (95 % confidence interval).", of_seeds,
                     folders.front().name),
         HtmlOf(ScoresTable(folders, differences, score.metric)));
   }
