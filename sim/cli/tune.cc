@@ -116,8 +116,9 @@ void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folde
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
     sets += " --set " + ShellWord(plan.free[a].key + "=" + result.tried[result.chosen].values[a]);
   }
-  Say("wrote {}: {}.yaml ({}, or{}), tune.csv, report.html\n", folder.path().string(),
-      plan.controller, IncludeText(yaml), sets);
+  const bool is_recommended = !VerdictOf(plan, result).recommended.empty();
+  Say("wrote {}: {}.yaml ({}), tune.csv, report.html\n", folder.path().string(), plan.controller,
+      is_recommended ? fmt::format("{}, or{}", IncludeText(yaml), sets) : "not recommended");
 }
 
 void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folder) {
@@ -145,8 +146,9 @@ void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder&
     Say("wrote {}: tune.csv, report.html\n", folder.path().string());
     throw RunError("no kind of filter has an answer: " + VerdictOf(plan, kinds).Text());
   }
+  const std::string kind = VerdictOf(plan, kinds).recommended;
   Say("wrote {}: a YAML file of each kind ({}), tune.csv, report.html\n", folder.path().string(),
-      IncludeText(folder.path() / (VerdictOf(plan, kinds).best_or(kinds.front().kind) + ".yaml")));
+      kind.empty() ? "none recommended" : IncludeText(folder.path() / (kind + ".yaml")));
 }
 
 void RunTuneCommand(const TuneCommand& asked) {

@@ -110,7 +110,8 @@ std::string Sections(const CellPoints& gathered, const CellsPageTexts& texts,
   if (!points.empty()) {
     sections += PageSection(
         "parallel", "All settings at once",
-        "A line is one setting with its scores; the best tenth is drawn over the others. <span "
+        "A line is one setting with its scores; the first tenth of the list is drawn over the "
+        "others. <span "
         "class=\"needs-script\">Drag along an axis to keep only what passes there; press the axis "
         "to let go. Press a line for its settings.</span>",
         "<p class=\"controls needs-script\"><span id=\"brushed\" role=\"status\"></span> <button "

@@ -22,14 +22,20 @@ double MostOf(const TunePlan& plan, std::string_view metric) {
   return most;
 }
 
-CellPoint PointOf(const TunedKind& tuned, std::size_t place) {
+CellPoint PointOf(const TunedKind& tuned, std::size_t place, const TunedKind& first,
+                  const Verdict& verdict) {
   const TunedSetting& setting = tuned.result.tried[place];
-  const bool is_answer = tuned.has_answer() && place == tuned.result.chosen;
+  const bool is_chosen = tuned.has_answer() && place == tuned.result.chosen;
+  const bool is_answer = is_chosen && &tuned == &first;
   const std::string settings = SettingsText(tuned.plan, setting.values);
   return {.name = fmt::format("{}{}{}{}", tuned.kind, settings.empty() ? "" : ": ", settings,
-                              is_answer ? ", the answer" : ""),
+                              !is_chosen                    ? ""
+                              : !is_answer                  ? ", chosen of its kind"
+                              : verdict.recommended.empty() ? ", chosen, not recommended"
+                                                            : ", the answer"),
           .values = {tuned.kind},
           .scores = MeansOf(setting.scores),
+          .is_answer = is_answer,
           .keeps_bounds = setting.KeepsBounds(),
           .yaml = {},
           .command = {}};
@@ -57,6 +63,7 @@ std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kind
   }
   CellPoints points({axis}, kinds.front().result.metrics, plan.minimise, all);
   const std::string scenario_name = NameHere(plan.scenario.file);
+  const Verdict verdict = VerdictOf(plan, kinds);
   std::vector<std::vector<std::int64_t>> numbers;  // of the points, per kind and setting
   for (const TunedKind& tuned : kinds) {
     std::vector<std::int64_t>& of_kind = numbers.emplace_back();
@@ -67,7 +74,7 @@ std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kind
         of_kind.back() = -1;
         continue;
       }
-      points.Add(PointOf(tuned, i), [&](CellPoint& kept) {
+      points.Add(PointOf(tuned, i, kinds.front(), verdict), [&](CellPoint& kept) {
         std::vector<std::string> sets = SetsOf(tuned, setting);
         kept.yaml = SettingsYaml(sets);
         sets.insert(sets.begin(), plan.scenario.overrides.begin(), plan.scenario.overrides.end());
@@ -109,13 +116,14 @@ std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kind
        .facts = fmt::format("at most {} settings of each kind on {}{}", plan.evaluations,
                             SplitText(SplitOfKinds(kinds)),
                             plan.physics ? "" : " · filters only, no hand"),
-       .verdict = VerdictOf(plan, kinds).Text(),
+       .verdict = verdict.Text(),
        .text = TuneAllText(plan, kinds, true),
        .first_sections = PageSection(
            "fronts", "Jitter against delay, kind by kind",
            "A line joins the settings of one kind that no other of its kind beats in both means, "
            "on "
-           "the fitted part; a ring is its answer, the best within the bounds (dotted). Nearer to "
+           "the fitted part; a ring is the setting chosen of its kind, within the bounds (dotted). "
+           "Nearer to "
            "the lower left corner is better. The legend has the chosen kind first.",
            ScrolledDrawing(drawing, "Fronts of all kinds")),
        .heat = false,

@@ -15,12 +15,15 @@ std::string TunePage(const TunePlan& plan, const TuneResult& result) {
   }
   CellPoints gathered(std::move(axes), result.metrics, plan.minimise, std::ssize(result.tried));
   const std::string scenario_name = NameHere(plan.scenario.file);
+  const Verdict verdict = VerdictOf(plan, result);
+  const char* chosen = verdict.recommended.empty() ? ", not recommended" : ", the answer";
   for (std::size_t i = 0; i < result.tried.size(); ++i) {
     const TunedSetting& setting = result.tried[i];
     if (!setting.problem.empty()) continue;
-    gathered.Add({.name = fmt::format("try {}{}", i, i == result.chosen ? ", the answer" : ""),
+    gathered.Add({.name = fmt::format("try {}{}", i, i == result.chosen ? chosen : ""),
                   .values = setting.values,
                   .scores = MeansOf(setting.scores),
+                  .is_answer = i == result.chosen,
                   .keeps_bounds = setting.KeepsBounds(),
                   .yaml = {},
                   .command = {}},
@@ -46,7 +49,7 @@ std::string TunePage(const TunePlan& plan, const TuneResult& result) {
                               .facts = fmt::format("{} settings tried on {}{}", result.tried.size(),
                                                    SplitText(result.split),
                                                    plan.physics ? "" : " · filters only, no hand"),
-                              .verdict = VerdictOf(plan, result).Text(),
+                              .verdict = verdict.Text(),
                               .text = TuneText(plan, result, true)});
 }
 
