@@ -49,11 +49,8 @@ controllers: {raw: {filter: none}, mean: {filter: moving_average}}
     for (const auto& controller : scores["controllers"]) {
       EXPECT_EQ(controller["failed_trials"], 3);
       EXPECT_THAT(controller["health"].get<std::string>(), HasSubstr("at 0.0"));
-      EXPECT_EQ(controller["as_good_as_best"], nlohmann::json::array());
       for (const auto& [metric, estimate] : controller["summary"].items()) {
         EXPECT_TRUE(estimate["mean"].is_null()) << metric;
-        EXPECT_EQ(controller["rank"][metric], 0) << metric;
-        EXPECT_TRUE(controller["difference_to_best"][metric]["verdict"].is_null()) << metric;
       }
     }
     EXPECT_THAT(read("report.html"), HasSubstr(failed)) << time;

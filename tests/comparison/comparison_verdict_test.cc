@@ -39,13 +39,13 @@ Summary Of(const std::vector<Entry>& entries, double half_width = 0.2) {
     ControllerSummary& controller = summary.controllers.emplace_back();
     controller.name = entry.name;
     controller.summary.resize(Metrics().size());
-    controller.rank.assign(Metrics().size(), 0);
+    controller.has_score.assign(Metrics().size(), false);
     controller.to_baseline.resize(Metrics().size());
     for (const auto& [metric, value] : {std::pair{tracking, entry.tracking_deg},
                                         {delay, entry.delay_ms},
                                         {jitter, entry.jitter_deg}}) {
       controller.summary[metric] = {.mean = value, .low = value - 0.01, .high = value + 0.01};
-      controller.rank[metric] = std::isfinite(value) ? 1 : 0;
+      controller.has_score[metric] = std::isfinite(value);
     }
   }
   summary.comparisons.resize(Metrics().size() * entries.size() * entries.size());
@@ -72,7 +72,7 @@ Summary Of(const std::vector<Entry>& entries, double half_width = 0.2) {
 
 std::vector<std::string> Names(const Summary& summary) {
   std::vector<std::string> names;
-  for (const std::size_t c : OrderOfVerdict(summary)) names.push_back(summary.controllers[c].name);
+  for (const std::size_t c : AnswerOf(summary).order) names.push_back(summary.controllers[c].name);
   return names;
 }
 
@@ -83,7 +83,7 @@ const std::vector<Entry> kDoor = {{"raw", 6.4, 104, 0.28},
 
 TEST(ComparisonVerdict, RecommendsTheBestTrackerAndNamesThePriceOfLessJitter) {
   const Summary summary = Of(kDoor);
-  const Verdict verdict = VerdictOf(summary);
+  const Verdict verdict = AnswerOf(summary).verdict;
   EXPECT_EQ(verdict.recommended, "prediction");
   EXPECT_THAT(verdict.alternatives, ElementsAre("kalman"));  // mean is late: dominated
   EXPECT_EQ(verdict.Text(),
@@ -92,39 +92,39 @@ TEST(ComparisonVerdict, RecommendsTheBestTrackerAndNamesThePriceOfLessJitter) {
             "instead of 0.210, but tracking error 6.40 deg RMS instead of 4.40 and delay 106 ms "
             "instead of 59.0.");
   EXPECT_THAT(Names(summary), ElementsAre("prediction", "kalman", "raw", "mean"));
-  EXPECT_THAT(RolesOf(summary), ElementsAre("baseline", "", "least jitter", "recommended"));
+  EXPECT_THAT(AnswerOf(summary).roles, ElementsAre("baseline", "", "less jitter", "recommended"));
 }
 
 TEST(ComparisonVerdict, ShowsTheBaselineTheRecommendedAndTheFirstAlternative) {
-  EXPECT_THAT(ShownControllers(Of(kDoor)), ElementsAre(0, 3, 2));
+  EXPECT_THAT(AnswerOf(Of(kDoor)).shown, ElementsAre(0, 3, 2));
   Summary one_run = Of(kDoor);
   one_run.one_run = true;
-  EXPECT_THAT(ShownControllers(one_run), ElementsAre(0, 3, 2));  // the next by tracking error
+  EXPECT_THAT(AnswerOf(one_run).shown, ElementsAre(0, 3, 2));  // the next by tracking error
 }
 
 TEST(ComparisonVerdict, FollowsThePriorityOfTheUser) {
   Summary summary = Of(kDoor);
   summary.priority = ParsePriority("jitter");
-  EXPECT_EQ(VerdictOf(summary).recommended, "kalman");
-  EXPECT_THAT(VerdictOf(summary).alternatives, ElementsAre("prediction"));
+  EXPECT_EQ(AnswerOf(summary).verdict.recommended, "kalman");
+  EXPECT_THAT(AnswerOf(summary).verdict.alternatives, ElementsAre("prediction"));
   summary.priority = ParsePriority("delay");
-  EXPECT_EQ(VerdictOf(summary).recommended, "prediction");
+  EXPECT_EQ(AnswerOf(summary).verdict.recommended, "prediction");
   summary.priority = ParsePriority("tracking, jitter_rms_deg<=0.2");
-  EXPECT_EQ(VerdictOf(summary).recommended, "kalman");
+  EXPECT_EQ(AnswerOf(summary).verdict.recommended, "kalman");
   summary.priority = ParsePriority("jitter_rms_deg<=0.09, delay_ms<=60");
-  EXPECT_EQ(VerdictOf(summary).recommended, "");
-  EXPECT_EQ(VerdictOf(summary).Text(),
+  EXPECT_EQ(AnswerOf(summary).verdict.recommended, "");
+  EXPECT_EQ(AnswerOf(summary).verdict.Text(),
             "No controller meets jitter_rms_deg<=0.09 and delay_ms<=60.");
   summary.priority = ParsePriority("jitter_rms_deg<=0.215");  // the interval ends at 0.22
   EXPECT_THAT(
-      VerdictOf(summary).Text(),
+      AnswerOf(summary).verdict.Text(),
       HasSubstr("prediction meets jitter_rms_deg<=0.215 (95 % CI 0.200 to 0.220) in the mean "
                 "only."));
 }
 
 TEST(ComparisonVerdict, TakesTheLeastJitterOfEquivalentTrackers) {
   const Verdict verdict =
-      VerdictOf(Of({{"raw", 5.0, 100, 0.5}, {"a", 4.0, 100, 0.4}, {"b", 4.2, 100, 0.2}}));
+      AnswerOf(Of({{"raw", 5.0, 100, 0.5}, {"a", 4.0, 100, 0.4}, {"b", 4.2, 100, 0.2}})).verdict;
   EXPECT_EQ(verdict.recommended, "b");
   EXPECT_THAT(verdict.alternatives, ElementsAre());
   EXPECT_EQ(verdict.Text(),
@@ -134,7 +134,8 @@ TEST(ComparisonVerdict, TakesTheLeastJitterOfEquivalentTrackers) {
 
 TEST(ComparisonVerdict, StaysAtTheBaselineWhereNothingIsBetter) {
   const Verdict verdict =
-      VerdictOf(Of({{"raw", 5.0, 100, 0.20}, {"a", 4.9, 99, 0.19}, {"late", 4.9, 120, 0.2}}));
+      AnswerOf(Of({{"raw", 5.0, 100, 0.20}, {"a", 4.9, 99, 0.19}, {"late", 4.9, 120, 0.2}}))
+          .verdict;
   EXPECT_EQ(verdict.recommended, "raw");
   EXPECT_EQ(verdict.Text(),
             "Use raw, the baseline: tracking error 5.00 deg RMS, delay 100 ms and jitter 0.200 deg "
@@ -145,16 +146,16 @@ TEST(ComparisonVerdict, LeavesTheBaselineOnlyForABetterController) {
   // Both are 0.9 D +- 1 D better in tracking error: undecided. The baseline is within 2 D of them.
   const std::vector<Entry> entries = {
       {"raw", 5.0, 100, 0.20}, {"a", 4.55, 100, 0.20}, {"b", 4.56, 100, 0.19}};
-  EXPECT_EQ(VerdictOf(Of(entries, 1.0)).recommended, "raw");
+  EXPECT_EQ(AnswerOf(Of(entries, 1.0)).verdict.recommended, "raw");
   // The baseline may be 2.9 D worse, which is too much, and the others are not better for certain.
-  const Verdict wide = VerdictOf(Of(entries, 2.0));
+  const Verdict wide = AnswerOf(Of(entries, 2.0)).verdict;
   EXPECT_EQ(wide.recommended, "");
   EXPECT_THAT(wide.Text(),
               HasSubstr("No recommendation: the tracking error, delay and jitter of raw"));
   // A baseline that breaks a bound cannot be kept.
   Summary bounded = Of({{"raw", 5.0, 100, 0.30}, {"a", 5.0, 100, 0.26}}, 0.1);
   bounded.priority = ParsePriority("tracking, jitter_rms_deg<=0.28");
-  EXPECT_EQ(VerdictOf(bounded).recommended, "a");
+  EXPECT_EQ(AnswerOf(bounded).verdict.recommended, "a");
 }
 
 TEST(ComparisonVerdict, NamesTies) {
@@ -164,13 +165,14 @@ TEST(ComparisonVerdict, NamesTies) {
   for (const auto& [c, value] : {std::pair{1, 14.0}, {2, 20.0}, {3, 16.0}}) {
     summary.controllers[static_cast<std::size_t>(c)].summary[reversals].mean = value;
   }
-  Verdict verdict = VerdictOf(summary);
+  Verdict verdict = AnswerOf(summary).verdict;
   EXPECT_EQ(verdict.recommended, "a");
   EXPECT_THAT(verdict.Text(), HasSubstr("Equivalent: b and c."));
-  EXPECT_THAT(RolesOf(summary), ElementsAre("baseline", "recommended", "equivalent", "equivalent"));
+  EXPECT_THAT(AnswerOf(summary).roles,
+              ElementsAre("baseline", "recommended", "equivalent", "equivalent"));
   // a becomes worse than the baseline in delay, b and c do not.
   summary.comparisons[summary.Place(MetricIndex("delay_ms"), 1, 0)].judgement = Judgement::kWorse;
-  verdict = VerdictOf(summary);
+  verdict = AnswerOf(summary).verdict;
   EXPECT_EQ(verdict.recommended, "c");
   EXPECT_THAT(verdict.Text(), HasSubstr("Equivalent: a and b."));
 }
@@ -182,20 +184,20 @@ TEST(ComparisonVerdict, WithoutABaselineNamesNoneOfEqualControllers) {
   for (const auto& [c, value] : {std::pair{0, 14.0}, {1, 20.0}, {2, 16.0}}) {
     summary.controllers[static_cast<std::size_t>(c)].summary[reversals].mean = value;
   }
-  const Verdict verdict = VerdictOf(summary);
+  const Verdict verdict = AnswerOf(summary).verdict;
   EXPECT_EQ(verdict.recommended, "");
   EXPECT_THAT(verdict.alternatives, ElementsAre("a", "b", "c"));
   EXPECT_EQ(verdict.Text(),
             "Equivalent, use any: a, b and c (tracking error 4.00 to 4.10 deg RMS, delay 99.0 to "
             "101 ms and jitter 0.200 to 0.210 deg RMS).");
-  EXPECT_THAT(RolesOf(summary), ElementsAre("equivalent", "equivalent", "equivalent"));
+  EXPECT_THAT(AnswerOf(summary).roles, ElementsAre("equivalent", "equivalent", "equivalent"));
   // Fewer reversals than one of the two is not enough.
   summary.comparisons[summary.Place(reversals, 0, 1)].judgement = Judgement::kBetter;
-  EXPECT_EQ(VerdictOf(summary).recommended, "");
+  EXPECT_EQ(AnswerOf(summary).verdict.recommended, "");
   summary.comparisons[summary.Place(reversals, 0, 2)].judgement = Judgement::kBetter;
-  EXPECT_EQ(VerdictOf(summary).recommended, "a");
-  EXPECT_THAT(ShownControllers(summary), ElementsAre(0, 1, 2));  // not a alone
-  EXPECT_THAT(VerdictOf(summary).Text(),
+  EXPECT_EQ(AnswerOf(summary).verdict.recommended, "a");
+  EXPECT_THAT(AnswerOf(summary).shown, ElementsAre(0, 1, 2));  // not a alone
+  EXPECT_THAT(AnswerOf(summary).verdict.Text(),
               HasSubstr("Equivalent, but with more command reversals per s than a (14.0): b (20.0) "
                         "and c (16.0)."));
 }
@@ -203,22 +205,23 @@ TEST(ComparisonVerdict, WithoutABaselineNamesNoneOfEqualControllers) {
 TEST(ComparisonVerdict, WithoutABaselineRecommendsWhatIsBetterThanEachOther) {
   Summary summary = Of({{"a", 4.0, 100, 0.4}, {"b", 5.0, 100, 0.2}, {"c", 5.0, 100, 0.4}});
   summary.baseline.reset();
-  EXPECT_EQ(VerdictOf(summary).recommended, "a");
-  EXPECT_THAT(VerdictOf(summary).alternatives, ElementsAre("b"));
+  EXPECT_EQ(AnswerOf(summary).verdict.recommended, "a");
+  EXPECT_THAT(AnswerOf(summary).verdict.alternatives, ElementsAre("b"));
   // With wide intervals a is not better than b in tracking error.
   Summary wide = Of({{"a", 4.0, 100, 0.4}, {"b", 4.6, 100, 0.4}}, 1.3);
   wide.baseline.reset();
-  EXPECT_EQ(VerdictOf(wide).recommended, "");
-  EXPECT_THAT(VerdictOf(wide).Text(), HasSubstr("No recommendation: the tracking error, delay and "
-                                                "jitter of a (4.00 deg RMS) and b (4.60 deg RMS) "
-                                                "are undecided."));
+  EXPECT_EQ(AnswerOf(wide).verdict.recommended, "");
+  EXPECT_THAT(AnswerOf(wide).verdict.Text(),
+              HasSubstr("No recommendation: the tracking error, delay and "
+                        "jitter of a (4.00 deg RMS) and b (4.60 deg RMS) "
+                        "are undecided."));
 }
 
 TEST(ComparisonVerdict, CountsASmallUndecidedDifferenceAsEquivalentAndSaysSo) {
   // b - a: 0.4 D +- 1.2 D, undecided, at most 1.6 D = 0.8 deg.
   const std::vector<Entry> entries = {
       {"raw", 9.0, 100, 0.9}, {"a", 4.0, 100, 0.9}, {"b", 4.2, 100, 0.2}};
-  const Verdict verdict = VerdictOf(Of(entries, 1.2));
+  const Verdict verdict = AnswerOf(Of(entries, 1.2)).verdict;
   EXPECT_EQ(verdict.recommended, "b");
   EXPECT_THAT(verdict.Text(),
               HasSubstr("The tracking error of b is undecided against a (at most 0.800 deg RMS "
@@ -228,7 +231,8 @@ TEST(ComparisonVerdict, CountsASmallUndecidedDifferenceAsEquivalentAndSaysSo) {
 TEST(ComparisonVerdict, RecommendsNothingWhereALargeDifferenceIsPossible) {
   // a and b may differ by up to 3.4 D in both directions.
   const Verdict verdict =
-      VerdictOf(Of({{"raw", 9.0, 100, 0.9}, {"a", 4.0, 100, 0.9}, {"b", 4.2, 100, 0.2}}, 3.0));
+      AnswerOf(Of({{"raw", 9.0, 100, 0.9}, {"a", 4.0, 100, 0.9}, {"b", 4.2, 100, 0.2}}, 3.0))
+          .verdict;
   EXPECT_EQ(verdict.recommended, "");
   EXPECT_THAT(verdict.alternatives, ElementsAre("a", "b"));
   EXPECT_THAT(verdict.Text(), HasSubstr("No recommendation: the tracking error and delay of a "
@@ -239,47 +243,47 @@ TEST(ComparisonVerdict, RecommendsNothingWhereALargeDifferenceIsPossible) {
 TEST(ComparisonVerdict, RecommendsNothingAfterOneRun) {
   Summary summary = Of(kDoor);
   summary.one_run = true;
-  const Verdict verdict = VerdictOf(summary);
+  const Verdict verdict = AnswerOf(summary).verdict;
   EXPECT_EQ(verdict.recommended, "");
   EXPECT_EQ(
       verdict.Text(),
       "One run has no confidence interval, so nothing is recommended. Least tracking error: "
       "prediction (4.40 deg RMS). Least delay: prediction (59.0 ms). Least jitter: mean (0.100 "
       "deg RMS).");
-  EXPECT_THAT(RolesOf(summary), ElementsAre("baseline", "", "", ""));
+  EXPECT_THAT(AnswerOf(summary).roles, ElementsAre("baseline", "", "", ""));
 }
 
 TEST(ComparisonVerdict, LeavesOutAScoreThatAControllerHasNoValueOf) {
   std::vector<Entry> entries = kDoor;
   entries[1].delay_ms = kNone;
   const Summary summary = Of(entries);
-  const Verdict verdict = VerdictOf(summary);
+  const Verdict verdict = AnswerOf(summary).verdict;
   EXPECT_EQ(verdict.recommended, "prediction");
   EXPECT_THAT(verdict.Text(), HasSubstr("The delay has no value for some controllers, so it is not "
                                         "judged."));
   EXPECT_THAT(verdict.Text(), Not(HasSubstr("59.0 ms")));
   Summary by_delay = summary;
   by_delay.priority = ParsePriority("delay");
-  EXPECT_EQ(VerdictOf(by_delay).recommended, "");
+  EXPECT_EQ(AnswerOf(by_delay).verdict.recommended, "");
 }
 
 TEST(ComparisonVerdict, DoesNotJudgeWhatFailed) {
   Summary summary = Of(kDoor);
   summary.controllers[3].failed_trials = 1;
-  summary.controllers[3].rank.assign(Metrics().size(), 0);
-  EXPECT_EQ(VerdictOf(summary).recommended, "kalman");
-  EXPECT_THAT(RolesOf(summary)[3], "failed");
+  summary.controllers[3].has_score.assign(Metrics().size(), false);
+  EXPECT_EQ(AnswerOf(summary).verdict.recommended, "kalman");
+  EXPECT_THAT(AnswerOf(summary).roles[3], "failed");
 }
 
 TEST(ComparisonVerdict, OfOneControllerGivesItsScores) {
-  EXPECT_EQ(VerdictOf(Of({kDoor[0]})).Text(),
+  EXPECT_EQ(AnswerOf(Of({kDoor[0]})).verdict.Text(),
             "raw: tracking error 6.40 deg RMS, delay 104 ms and jitter 0.280 deg RMS.");
 }
 
 TEST(ComparisonVerdict, BeginsWithWhatIsAssumed) {
   Summary summary = Of(kDoor);
   summary.assumed = {"a.csv: assumed: joint of index_pip."};
-  const Verdict verdict = VerdictOf(summary);
+  const Verdict verdict = AnswerOf(summary).verdict;
   EXPECT_THAT(verdict.Text(), testing::StartsWith("a.csv: assumed: joint of index_pip. Use "));
   EXPECT_EQ(JsonOf(verdict)["warnings"][0]["key"], "assumed");
 }
@@ -318,7 +322,7 @@ TEST(ComparisonVerdict, WarnsOfSaturationInterpenetrationAndOneMotion) {
     controller.summary[MetricIndex("error_saturation_deg2")].mean = 3.0;
     controller.summary[MetricIndex("error_rest_deg2")].mean = 1.0;
   }
-  EXPECT_THAT(VerdictOf(summary).Doubts(),
+  EXPECT_THAT(AnswerOf(summary).verdict.Doubts(),
               ElementsAre("One motion: the confidence intervals cover noise only.",
                           "Actuator saturation causes 75 % of the squared error of prediction.",
                           "Fingers interpenetrate for 25 % of the time (hand.contact).",

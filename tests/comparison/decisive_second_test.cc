@@ -32,8 +32,7 @@ FinishedStudy TwoHands(double (*lag_rad)(int)) {
     finished.result.first_traces.push_back(std::move(trace));
     ControllerSummary& controller = finished.summary.controllers.emplace_back();
     controller.summary.resize(Metrics().size());
-    controller.rank.assign(Metrics().size(), 0);
-    finished.summary.dominated.push_back(false);
+    finished.summary.answer.shown.push_back(static_cast<std::size_t>(c));
   }
   return finished;
 }
@@ -55,6 +54,7 @@ TEST(DecisiveSecond, NeedsTwoHandsThatHaveTraces) {
   finished.result.first_traces.pop_back();
   EXPECT_FALSE(DecisiveSecondOf(finished));
   finished.summary.controllers.pop_back();
+  finished.summary.answer.shown.pop_back();
   EXPECT_FALSE(DecisiveSecondOf(finished));
 }
 

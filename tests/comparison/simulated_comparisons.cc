@@ -48,7 +48,7 @@ class Simulation {
       Summary summary = Summarise(study_, result_);
       GAUNTLET_ASSERT(summary.baseline == std::size_t{0});
       if (!has_baseline) summary.baseline.reset();
-      const std::string name = VerdictOf(summary).recommended;
+      const std::string name = AnswerOf(summary).verdict.recommended;
       if (name.empty()) continue;
       const std::size_t chosen = static_cast<std::size_t>(
           std::ranges::find(result_.controller_names, name) - result_.controller_names.begin());

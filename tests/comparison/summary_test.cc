@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/answers/compare/comparison_verdict.h"
-
 namespace gauntlet::sim {
 namespace {
 
@@ -50,17 +48,18 @@ TEST_F(SummaryTest, WithoutABaselineNothingIsWorse) {
   const Summary summary = Summarise(study_, result_);
   EXPECT_EQ(summary.baseline, std::nullopt);
   for (const ControllerSummary& controller : summary.controllers) {
-    EXPECT_FALSE(controller.IsWorseThanBaseline(0));
+    EXPECT_EQ(controller.AgainstBaseline(0), Judgement::kNone);
     EXPECT_TRUE(controller.to_baseline.empty());
   }
-  EXPECT_EQ(summary.controllers[0].to_best[0].judgement, Judgement::kWorse);  // that needs none
+  EXPECT_EQ(summary.Of(0, 0, 1).judgement, Judgement::kWorse);  // that needs none
+  EXPECT_EQ(summary.MarkOf(0, 0), ' ');
 }
 
 TEST_F(SummaryTest, HoldsOthersAgainstTheBaselineThatIsNamed) {
   study_.scenario.baseline = "better";
   const Summary summary = Summarise(study_, result_);
   EXPECT_EQ(summary.baseline, 1u);
-  EXPECT_TRUE(summary.controllers[0].IsWorseThanBaseline(0));  // raw against better
+  EXPECT_EQ(summary.MarkOf(0, 0), '!');  // raw against better
   EXPECT_TRUE(summary.controllers[1].to_baseline.empty());
 }
 
@@ -72,30 +71,19 @@ TEST_F(SummaryTest, PairingSeesADifferenceThatTheScatterOfSeedsWouldHide) {
   // ... that of the paired difference does not reach zero.
   EXPECT_GT(worse.to_baseline[0].difference.low, 0.35);
   EXPECT_LT(worse.to_baseline[0].difference.high, 0.75);
-  EXPECT_TRUE(worse.IsWorseThanBaseline(0));
-  EXPECT_FALSE(summary.controllers[1].IsWorseThanBaseline(0));
+  EXPECT_EQ(worse.AgainstBaseline(0), Judgement::kWorse);
+  EXPECT_EQ(summary.controllers[1].AgainstBaseline(0), Judgement::kBetter);
 }
 
-TEST_F(SummaryTest, RanksAndMarksDominatedControllers) {
-  const Summary summary = Summarise(study_, result_);
-  EXPECT_EQ(summary.controllers[0].rank[0], 2);
-  EXPECT_EQ(summary.controllers[1].rank[0], 1);
-  EXPECT_EQ(summary.controllers[2].rank[0], 3);
-  // All are as late within 5 ms, and the second shakes less than the others.
-  EXPECT_EQ(summary.dominated, (std::vector<bool>{true, false, true}));
-}
-
-TEST_F(SummaryTest, CallsAsGoodAsTheBestWhatDiffersByNothingThatMatters) {
+TEST_F(SummaryTest, CallsEqualWhatDiffersByNothingThatMatters) {
   for (SeedOutcome& seed : result_.seeds) {  // "worse" becomes "better" with a scatter of its own
     seed.controllers[2] = seed.controllers[1];
     seed.controllers[2].scores.summary[0] += 0.1 * std::cos(2.9 * seed.seed) + 0.005;
   }
   const Summary summary = Summarise(study_, result_);
-  EXPECT_EQ(summary.controllers[1].rank[0], 1);
-  EXPECT_EQ(summary.controllers[2].rank[0], 1);
-  EXPECT_FALSE(summary.controllers[0].as_good_as_best[0]);
-  EXPECT_TRUE(summary.controllers[1].as_good_as_best[0]);
-  EXPECT_TRUE(summary.controllers[2].as_good_as_best[0]);
+  EXPECT_EQ(summary.Of(0, 1, 2).judgement, Judgement::kEqual);
+  EXPECT_EQ(summary.MarkOf(1, 0), '*');
+  EXPECT_EQ(summary.MarkOf(2, 0), '*');
 }
 
 TEST_F(SummaryTest, CallsUndecidedWhatChanceMayHaveMade) {
@@ -104,20 +92,18 @@ TEST_F(SummaryTest, CallsUndecidedWhatChanceMayHaveMade) {
     seed.controllers[2].scores.summary[0] += 0.6 + 1.5 * std::cos(2.9 * seed.seed);
   }
   const Summary summary = Summarise(study_, result_);
-  EXPECT_EQ(summary.controllers[2].to_best[0].judgement, Judgement::kUndecided);
-  EXPECT_FALSE(summary.controllers[2].as_good_as_best[0]);
-  EXPECT_EQ(summary.controllers[2].rank[0], 1);
-  const MeanInterval& difference = summary.controllers[2].to_best[0].difference;
+  EXPECT_EQ(summary.Of(0, 2, 1).judgement, Judgement::kUndecided);
+  const MeanInterval& difference = summary.Of(0, 2, 1).difference;
   EXPECT_LT(difference.low, 0.0);
   EXPECT_GT(difference.high, 0.5);
 }
 
 TEST_F(SummaryTest, OfSeveralMotionsTheseAreWhatRepeats) {
-  const MeanInterval of_noise = Summarise(study_, result_).controllers[0].to_best[0].difference;
+  const MeanInterval of_noise = Summarise(study_, result_).Of(0, 0, 1).difference;
   for (SeedOutcome& seed : result_.seeds) seed.motion = seed.seed % 3;
   const Summary summary = Summarise(study_, result_);
   EXPECT_EQ(summary.motions, 3);
-  const MeanInterval of_motions = summary.controllers[0].to_best[0].difference;
+  const MeanInterval of_motions = summary.Of(0, 0, 1).difference;
   EXPECT_NEAR(of_motions.mean, of_noise.mean, 0.05);
   EXPECT_GT(of_motions.high - of_motions.low, 2.0 * (of_noise.high - of_noise.low));
   EXPECT_GE(of_motions.motion_share, 0.0);
@@ -130,8 +116,7 @@ TEST_F(SummaryTest, EveryPairHasOneIntervalWhoeverItIsShownAgainst) {
   EXPECT_EQ(summary.pairs, 3 * std::ssize(Metrics()));
   for (const std::size_t c : {0U, 2U}) {
     const ControllerSummary& controller = summary.controllers[c];
-    EXPECT_EQ(controller.to_best[0].difference.low, controller.to_baseline[0].difference.low);
-    EXPECT_EQ(controller.to_best[0].difference.low, -summary.Of(0, 1, c).difference.high);
+    EXPECT_EQ(controller.to_baseline[0].difference.low, -summary.Of(0, 1, c).difference.high);
     EXPECT_EQ(summary.Of(0, 1, c).judgement, Judgement::kBetter);
     EXPECT_EQ(summary.Of(0, c, 1).judgement, Judgement::kWorse);
   }
@@ -144,12 +129,10 @@ TEST_F(SummaryTest, OfEqualValuesAllAreAsGood) {
   const Summary summary = Summarise(study_, result_);
   for (const ControllerSummary& controller : summary.controllers) {
     for (std::size_t m = 0; m < Metrics().size(); ++m) {
-      EXPECT_TRUE(controller.as_good_as_best[m]) << Metrics()[m].key;
-      EXPECT_FALSE(controller.IsWorseThanBaseline(m)) << Metrics()[m].key;
-      EXPECT_EQ(controller.rank[m], 1) << Metrics()[m].key;
+      if (controller.to_baseline.empty()) continue;
+      EXPECT_EQ(controller.AgainstBaseline(m), Judgement::kEqual) << Metrics()[m].key;
     }
   }
-  EXPECT_EQ(summary.dominated, (std::vector<bool>{false, false, false}));
 }
 
 TEST_F(SummaryTest, OneFarSeedOfEightDecidesNothing) {
@@ -158,8 +141,7 @@ TEST_F(SummaryTest, OneFarSeedOfEightDecidesNothing) {
   result_.seeds[5].controllers[2].scores.summary[0] += 130.0;
   const Summary summary = Summarise(study_, result_);
   EXPECT_EQ(summary.controllers[2].to_baseline[0].judgement, Judgement::kUndecided);
-  EXPECT_EQ(summary.controllers[1].to_best[0].judgement, Judgement::kNone);  // the best
-  EXPECT_EQ(summary.controllers[0].to_best[0].judgement, Judgement::kWorse);
+  EXPECT_EQ(summary.Of(0, 0, 1).judgement, Judgement::kWorse);
 }
 
 TEST_F(SummaryTest, ThePrimaryScoresAreAFamilyOfTheirOwn) {
@@ -201,7 +183,7 @@ TEST_F(SummaryTest, BlocksOfARecordingAreTheReplicates) {
   EXPECT_EQ(summary.Of(peak, 0, 1).judgement, Judgement::kNone);  // has no values of blocks
   EXPECT_DOUBLE_EQ(summary.controllers[0].summary[peak].mean,
                    alone.controllers[0].summary[peak].mean);
-  const std::vector<std::string> doubts = VerdictOf(summary).Doubts();
+  const std::vector<std::string> doubts = summary.answer.verdict.Doubts();
   EXPECT_EQ(std::ranges::count(doubts,
                                "The confidence intervals are from 8 blocks of 5.0 s of this "
                                "recording: one session of one person. They are too narrow if "
@@ -224,14 +206,14 @@ TEST_F(SummaryTest, OneControllerIsComparedWithNobody) {
   for (SeedOutcome& seed : result_.seeds) seed.controllers.resize(1);
   const Summary summary = Summarise(study_, result_);
   EXPECT_EQ(summary.pairs, 0);
-  EXPECT_EQ(summary.controllers[0].rank[0], 1);
-  EXPECT_EQ(summary.controllers[0].to_best[0].judgement, Judgement::kNone);
+  EXPECT_TRUE(summary.controllers[0].has_score[0]);
+  EXPECT_EQ(summary.MarkOf(0, 0), ' ');
   EXPECT_TRUE(std::isfinite(summary.controllers[0].summary[0].low));
 }
 
 TEST_F(SummaryTest, CallsNothingGoodThatHasNoValue) {
   for (SeedOutcome& seed : result_.seeds) seed.controllers[2].scores.summary[0] = std::nan("");
-  EXPECT_FALSE(Summarise(study_, result_).controllers[2].as_good_as_best[0]);
+  EXPECT_EQ(Summarise(study_, result_).MarkOf(2, 0), ' ');
 }
 
 TEST_F(SummaryTest, OnePairOfManySeedsDecidesNothing) {
@@ -243,20 +225,15 @@ TEST_F(SummaryTest, OnePairOfManySeedsDecidesNothing) {
   EXPECT_EQ(worse.summary[1].count, 10);
   EXPECT_GT(worse.to_baseline[0].difference.mean, 0.0);
   EXPECT_EQ(worse.to_baseline[0].judgement, Judgement::kUndecided);
-  EXPECT_EQ(worse.rank[0], 1);  // none is known to be better
-  EXPECT_FALSE(worse.as_good_as_best[0]);
 }
 
 TEST_F(SummaryTest, OneSeedDecidesNothing) {
   result_.seeds.resize(1);
   const Summary summary = Summarise(study_, result_);
   EXPECT_TRUE(summary.one_run);
-  EXPECT_EQ(summary.controllers[1].rank[0], 1);
   for (const ControllerSummary& controller : summary.controllers) {
-    EXPECT_FALSE(controller.as_good_as_best[0]);
     EXPECT_TRUE(std::isnan(controller.summary[0].low));
-    EXPECT_FALSE(controller.IsWorseThanBaseline(0));
-    EXPECT_EQ(controller.to_best[0].judgement, Judgement::kNone);
+    EXPECT_EQ(controller.AgainstBaseline(0), Judgement::kNone);
   }
 }
 
@@ -281,13 +258,10 @@ TEST_F(SummaryTest, DoesNotRankAControllerOfWhichATrialFailed) {
             (std::vector<std::string>{"better failed in 2 of 10 trials and is not ranked: at 1.5 "
                                       "s: diverged (seed 3)"}));
   for (std::size_t m = 0; m < Metrics().size(); ++m) {
-    EXPECT_EQ(failed.rank[m], 0);
-    EXPECT_FALSE(failed.as_good_as_best[m]);
-    EXPECT_EQ(failed.to_best[m].judgement, Judgement::kNone);
-    EXPECT_FALSE(failed.IsWorseThanBaseline(m));
+    EXPECT_FALSE(failed.has_score[m]);
+    EXPECT_EQ(failed.AgainstBaseline(m), Judgement::kNone);
   }
-  EXPECT_EQ(summary.controllers[0].rank[0], 1);  // the best of those that are left
-  EXPECT_TRUE(summary.controllers[0].as_good_as_best[0]);
+  EXPECT_TRUE(summary.controllers[0].has_score[0]);
   EXPECT_EQ(summary.pairs, std::ssize(Metrics()));
 }
 

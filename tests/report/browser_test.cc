@@ -270,7 +270,7 @@ TEST_F(BrowserTest, ColumnsStandInTheOrderOfTheVerdictOrOfAScore) {
     }
   }
   made.summary = Summarise(made.study, made.result);
-  EXPECT_EQ(OrderOfVerdict(made.summary), (std::vector<std::size_t>{2, 1, 0}));
+  EXPECT_EQ(made.summary.answer.order, (std::vector<std::size_t>{2, 1, 0}));
   const auto seen = Use(Page(made), 1200);
   EXPECT_EQ(seen["columns"], (std::vector<std::string>{"filter_2", "filter_1", "raw"}));
   EXPECT_EQ(seen["sorted"], seen["columns"]);  // by tracking

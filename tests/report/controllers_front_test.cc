@@ -21,7 +21,6 @@ Summary SummaryOf(const std::vector<std::pair<double, double>>& scores) {
     std::vector<MeanInterval>& means = summary.controllers[c].summary;
     means[MetricIndex("delay_ms")].mean = scores[c].first;
     means[MetricIndex("jitter_rms_deg")].mean = scores[c].second;
-    summary.dominated[c] = false;
   }
   return summary;
 }
@@ -66,15 +65,6 @@ TEST(ControllersFront, NamesOfPointsInOnePlaceDoNotCoverEachOther) {
       EXPECT_TRUE(other_line || other_side) << i << " and " << j;
     }
   }
-}
-
-TEST(ControllersFront, MarksTheDominatedAndSaysSoWhereThereIsRoom) {
-  Summary summary = SummaryOf({{100.0, 0.1}, {150.0, 0.3}});
-  summary.dominated[1] = true;
-  const std::string html = ControllersFront(summary);
-  EXPECT_THAT(FigureOf(html, "wide"), HasSubstr(">filter_1 (dominated)</text>"));
-  EXPECT_THAT(FigureOf(html, "narrow"), HasSubstr(">filter_1</text>"));
-  EXPECT_THAT(FigureOf(html, "narrow"), HasSubstr("class=\"point dominated\""));
 }
 
 TEST(ControllersFront, WithoutADelaySaysWhy) {

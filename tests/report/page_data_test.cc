@@ -54,7 +54,8 @@ TEST(PageData, HasTheSummaryOfEveryController) {
   EXPECT_EQ(difference["level"], expected.difference.level);
   EXPECT_EQ(difference["relevant_difference"], expected.relevant_difference);
   EXPECT_EQ(difference["verdict"], JudgementText(expected.judgement));
-  EXPECT_EQ(data["controllers"][2]["to_best"].size(), Metrics().size());
+  EXPECT_EQ(data["controllers"][1]["marks"].get<std::string>()[3], made.summary.MarkOf(1, 3));
+  EXPECT_EQ(data["controllers"][2]["marks"].get<std::string>().size(), Metrics().size());
 }
 
 TEST(PageData, CurvesAreTheTracesInDegrees) {

@@ -9,11 +9,11 @@ namespace gauntlet::sim {
 
 Choice::Choice(const Summary& summary) : summary_(summary) {
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
-    if (summary.controllers[c].rank[PrimaryScores().front().metric] > 0) all_.push_back(c);
+    if (summary.controllers[c].has_score[PrimaryScores().front().metric]) all_.push_back(c);
   }
   for (const PrimaryScore& score : PrimaryScores()) {
     const bool whole = std::ranges::all_of(
-        all_, [&](std::size_t c) { return summary.controllers[c].rank[score.metric] > 0; });
+        all_, [&](std::size_t c) { return summary.controllers[c].has_score[score.metric]; });
     (whole ? scores_ : left_out_).push_back(score.metric);
   }
   const std::optional<std::size_t>& baseline = summary.baseline;

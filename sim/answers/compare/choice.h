@@ -13,7 +13,7 @@ namespace gauntlet::sim {
 using Places = std::vector<std::size_t>;
 
 /// The controllers that a verdict is about, the primary scores that all of them have, and the
-/// choice between them by the rule of VerdictOf(). It keeps a reference to the summary.
+/// choice between them by the rule of AnswerOf(). It keeps a reference to the summary.
 class Choice {
  public:
   explicit Choice(const Summary& summary);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -218,7 +219,7 @@ std::string WorseThanBaseline(const Summary& summary, const Choice& choice,
                               std::size_t recommended) {
   std::vector<std::string> worse;
   for (const std::size_t metric : ShownMetrics(summary)) {
-    if (!summary.controllers[recommended].IsWorseThanBaseline(metric)) continue;
+    if (summary.controllers[recommended].AgainstBaseline(metric) != Judgement::kWorse) continue;
     if (std::ranges::count(choice.scores(), metric) > 0) continue;  // in the recommendation
     worse.push_back(fmt::format("{} ({} {})", NamedValue(summary, recommended, metric),
                                 summary.controllers[*summary.baseline].name,
@@ -336,10 +337,7 @@ void AddWarnings(const Summary& summary, const Choice& choice,
   verdict.AddWarning("dropped", Dropped(summary));
 }
 
-}  // namespace
-
-Verdict VerdictOf(const Summary& summary) {
-  const Choice choice(summary);
+Verdict VerdictOf(const Summary& summary, const Choice& choice) {
   Verdict verdict;
   for (const std::string& assumed : summary.assumed) verdict.AddWarning("assumed", assumed);
   const std::optional<std::size_t> recommended = choice.recommended();
@@ -373,8 +371,8 @@ Verdict VerdictOf(const Summary& summary) {
   return verdict;
 }
 
-std::vector<std::size_t> OrderOfVerdict(const Summary& summary) {
-  const Choice choice(summary);
+/// Recommended, alternatives, the others by tracking error.
+Places OrderOf(const Summary& summary, const Choice& choice) {
   Places first;
   if (const auto recommended = choice.recommended()) first.push_back(*recommended);
   for (const auto& [metric, c] : choice.alternatives()) first.push_back(c);
@@ -389,9 +387,8 @@ std::vector<std::size_t> OrderOfVerdict(const Summary& summary) {
   return order;
 }
 
-std::vector<std::size_t> ShownControllers(const Summary& summary) {
+Places ShownOf(const Summary& summary, const Choice& choice, const Places& order) {
   constexpr std::size_t kMost = 3;
-  const Choice choice(summary);
   Places shown;
   const auto add = [&shown](std::size_t c) {
     if (shown.size() < kMost && std::ranges::count(shown, c) == 0) shown.push_back(c);
@@ -402,13 +399,12 @@ std::vector<std::size_t> ShownControllers(const Summary& summary) {
     for (const auto& [metric, c] : choice.alternatives()) add(c);
   }
   if (shown.size() < 2 || !choice.recommended()) {
-    for (const std::size_t c : OrderOfVerdict(summary)) add(c);
+    for (const std::size_t c : order) add(c);
   }
   return shown;
 }
 
-std::vector<std::string> RolesOf(const Summary& summary) {
-  const Choice choice(summary);
+std::vector<std::string> RolesOf(const Summary& summary, const Choice& choice) {
   std::vector<std::string> roles(summary.controllers.size());
   const auto add = [&roles](std::size_t c, const std::string& role) {
     roles[c] += (roles[c].empty() ? "" : ", ") + role;
@@ -420,13 +416,25 @@ std::vector<std::string> RolesOf(const Summary& summary) {
   }
   for (const std::size_t c : choice.any_of()) add(c, "equivalent");
   for (const auto& [metric, c] : choice.alternatives()) {
-    add(c, fmt::format("least {}", Metrics()[metric].name));
+    add(c, fmt::format("less {}", Metrics()[metric].name));
   }
   for (std::size_t c = 0; c < roles.size(); ++c) {
     if (summary.controllers[c].failed_trials > 0) add(c, "failed");
   }
   if (summary.baseline) add(*summary.baseline, "baseline");
   return roles;
+}
+
+}  // namespace
+
+ComparisonAnswer AnswerOf(const Summary& summary) {
+  const Choice choice(summary);
+  ComparisonAnswer answer{.verdict = VerdictOf(summary, choice),
+                          .order = OrderOf(summary, choice),
+                          .shown = {},
+                          .roles = RolesOf(summary, choice)};
+  answer.shown = ShownOf(summary, choice, answer.order);
+  return answer;
 }
 
 std::vector<std::size_t> ShownMetrics(const Summary& summary) {

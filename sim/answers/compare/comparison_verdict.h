@@ -1,15 +1,14 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 #include <vector>
 
+#include "sim/answers/compare/comparison_answer.h"
 #include "sim/answers/compare/summary.h"
-#include "sim/results/verdict.h"
 
 namespace gauntlet::sim {
 
-/// The verdict of a comparison. Tracking error, delay and jitter are the primary scores; one that a
+/// The answer of a comparison; Summarise() keeps it in the summary. Tracking error, delay and jitter are the primary scores; one that a
 /// controller has no value of is left out for all.
 ///
 /// D is the smallest relevant difference. A controller is no worse than another in a score if it is
@@ -28,16 +27,7 @@ namespace gauntlet::sim {
 /// reversals; else all of them are named as equivalent, or as undecided. Candidates for the other
 /// primary scores are the alternatives, where they are better than the recommended one in their
 /// score. One run recommends nothing.
-Verdict VerdictOf(const Summary& summary);
-/// Indices of controllers: recommended, alternatives, the others by tracking error.
-std::vector<std::size_t> OrderOfVerdict(const Summary& summary);
-/// Whom a page and a video show first, at most three: the baseline, the recommended controller and
-/// the first alternative. Where nothing is recommended, or nothing to compare it with is among
-/// them, the next in the order.
-std::vector<std::size_t> ShownControllers(const Summary& summary);
-/// Role of each controller: "recommended", "equivalent", "least jitter", "baseline"; empty for
-/// most.
-std::vector<std::string> RolesOf(const Summary& summary);
+ComparisonAnswer AnswerOf(const Summary& summary);
 
 /// The main metrics that some controller has a value of.
 std::vector<std::size_t> ShownMetrics(const Summary& summary);

@@ -5,8 +5,6 @@
 #include <numeric>
 #include <vector>
 
-#include "sim/answers/compare/comparison_verdict.h"
-
 namespace gauntlet::sim {
 namespace {
 
@@ -30,7 +28,7 @@ void AddDifference(const Signal& hand_rad, const Signal& other_rad, const std::v
 
 std::optional<DecisiveSecond> DecisiveSecondOf(const FinishedStudy& finished) {
   const std::vector<Trace>& traces = finished.result.first_traces;
-  const std::vector<std::size_t> shown = ShownControllers(finished.summary);
+  const std::vector<std::size_t>& shown = finished.summary.answer.shown;
   if (traces.size() != finished.summary.controllers.size() || shown.size() < 2) return std::nullopt;
   Eigen::Index ticks = traces[shown.front()].hand_angle_rad.rows();
   for (const std::size_t c : shown) ticks = std::min(ticks, traces[c].hand_angle_rad.rows());

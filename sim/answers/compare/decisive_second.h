@@ -14,7 +14,7 @@ struct DecisiveSecond {
 };
 
 /// Second of the first seed with the largest difference between the hand of the first of
-/// ShownControllers() and those of the others:
+/// ComparisonAnswer::shown and those of the others:
 ///
 ///     difference(t) = sum over others of (mean over measured joints of (other(t) - first(t))^2)
 ///

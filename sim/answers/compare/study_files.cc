@@ -8,7 +8,6 @@
 #include <iterator>
 #include <variant>
 
-#include "sim/answers/compare/comparison_verdict.h"
 #include "sim/answers/compare/decisive_second.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/json.h"
@@ -78,15 +77,6 @@ Json JsonByMetric::OfRow(const ScoreRows& rows, std::size_t row,
   return json;
 }
 
-template <class Condition>
-Json KeysWhere(Condition condition) {
-  Json keys = Json::array();
-  for (std::size_t m = 0; m < Metrics().size(); ++m) {
-    if (condition(m)) keys.push_back(Metrics()[m].key);
-  }
-  return keys;
-}
-
 Json EstimateJson(const MeanInterval& estimate, const std::string& replicates = "seeds") {
   Json json = JsonOf(estimate);
   json[replicates] = estimate.count;
@@ -114,7 +104,7 @@ Json BlocksJson(const RecordingBlocks& blocks) {
   return json;
 }
 
-Json ControllerJson(const FinishedStudy& finished, std::size_t index, const std::string& role) {
+Json ControllerJson(const FinishedStudy& finished, std::size_t index) {
   const StudyResult& result = finished.result;
   const ControllerSummary& controller = finished.summary.controllers[index];
   const bool comparison = finished.comparison;
@@ -122,20 +112,15 @@ Json ControllerJson(const FinishedStudy& finished, std::size_t index, const std:
   const JsonByMetric by_metric(result);
   Json json;
   json["name"] = controller.name;
-  json["role"] = role;
+  json["role"] = finished.summary.answer.roles[index];
   json["health"] = controller.problem.empty() ? "ok" : controller.problem;
   json["failed_trials"] = controller.failed_trials;
   json["summary"] = comparison ? by_metric.Of(controller.summary, replicates)
                                : by_metric.Of(result.seeds[0].controllers[index].scores.summary);
-  if (comparison) json["difference_to_best"] = by_metric.Of(controller.to_best, replicates);
   if (comparison && !controller.to_baseline.empty()) {
     json["difference_to_baseline"] = by_metric.Of(controller.to_baseline, replicates);
     json["effect_size"] = by_metric.Of(controller.effect_size);
   }
-  json["worse_than_baseline"] =
-      KeysWhere([&](std::size_t m) { return controller.IsWorseThanBaseline(m); });
-  json["as_good_as_best"] = KeysWhere([&](std::size_t m) { return controller.as_good_as_best[m]; });
-  json["rank"] = by_metric.Of([&](std::size_t m) { return controller.rank[m]; });
   for (std::size_t row = 0; row < result.row_names.size(); ++row) {
     json["channels"][result.row_names[row]] =
         by_metric.OfRow(finished.study.rows, row, controller.rows[row]);
@@ -146,7 +131,6 @@ Json ControllerJson(const FinishedStudy& finished, std::size_t index, const std:
       if (!values[m].empty()) json["blocks"][std::string(Metrics()[m].key)] = values[m];
     }
   }
-  json["dominated"] = static_cast<bool>(finished.summary.dominated[index]);
   return json;
 }
 
@@ -188,14 +172,14 @@ std::string ScoresJson(const FinishedStudy& finished) {
   json["reference"] = result.reference_name;
   json["baseline"] = nullptr;
   if (summary.baseline) json["baseline"] = summary.controllers[*summary.baseline].name;
-  json["verdict"] = JsonOf(VerdictOf(summary));
+  json["verdict"] = JsonOf(summary.answer.verdict);
   const auto names_of = [&](const std::vector<std::size_t>& places) {
     Json names = Json::array();
     for (const std::size_t c : places) names.push_back(summary.controllers[c].name);
     return names;
   };
-  json["order"] = names_of(OrderOfVerdict(summary));
-  json["shown"] = names_of(ShownControllers(summary));
+  json["order"] = names_of(summary.answer.order);
+  json["shown"] = names_of(summary.answer.shown);
   json["decisive_second"] = nullptr;
   if (const auto second = DecisiveSecondOf(finished)) {
     json["decisive_second"] = {
@@ -217,9 +201,8 @@ std::string ScoresJson(const FinishedStudy& finished) {
     }
     json["smoothing"].push_back(row);
   }
-  const std::vector<std::string> roles = RolesOf(summary);
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
-    json["controllers"].push_back(ControllerJson(finished, c, roles[c]));
+    json["controllers"].push_back(ControllerJson(finished, c));
   }
   return json.dump(2) + "\n";
 }

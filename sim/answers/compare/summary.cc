@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "sim/answers/compare/comparison_verdict.h"
+
 namespace gauntlet::sim {
 namespace {
 
@@ -52,7 +54,7 @@ void FindFailures(const StudyResult& result, std::size_t controller, ControllerS
 }
 
 /// A score that can be compared: of a controller all of whose trials went well.
-bool CanBeRanked(const ControllerSummary& controller, std::size_t metric) {
+bool HasScore(const ControllerSummary& controller, std::size_t metric) {
   return controller.failed_trials == 0 && std::isfinite(controller.summary[metric].mean);
 }
 
@@ -87,7 +89,7 @@ int JudgeFamily(const StudyResult& result, bool primary, Summary& summary) {
       for (std::size_t second = 0; second < first; ++second) {
         const ControllerSummary& a = summary.controllers[first];
         const ControllerSummary& b = summary.controllers[second];
-        if (!CanBeRanked(a, m) || !CanBeRanked(b, m)) continue;
+        if (!HasScore(a, m) || !HasScore(b, m)) continue;
         places.emplace_back(summary.Place(m, first, second), summary.Place(m, second, first));
         questions.push_back({.difference = EstimateDifference(
                                  ReplicateValues(result, summary.blocks, first, m),
@@ -118,29 +120,6 @@ void JudgePairs(const StudyResult& result, Summary& summary) {
   summary.pairs = summary.primary_pairs + JudgeFamily(result, false, summary);
 }
 
-/// The controller with the best mean, if any can be ranked.
-std::optional<std::size_t> BestOf(const Summary& summary, std::size_t metric) {
-  std::optional<std::size_t> best;
-  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
-    if (!CanBeRanked(summary.controllers[c], metric)) continue;
-    const double value = summary.controllers[c].summary[metric].mean;
-    const double least = best ? summary.controllers[*best].summary[metric].mean : value;
-    const bool better = Metrics()[metric].lower_is_better ? value < least : value > least;
-    if (!best || better) best = c;
-  }
-  return best;
-}
-
-void CompareWithBest(std::size_t metric, Summary& summary) {
-  const std::optional<std::size_t> best = BestOf(summary, metric);
-  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
-    ControllerSummary& controller = summary.controllers[c];
-    controller.to_best.push_back(best ? summary.Of(metric, c, *best) : Comparison{});
-    const bool equal = controller.to_best.back().judgement == Judgement::kEqual;
-    controller.as_good_as_best.push_back(!summary.one_run && (c == best || equal));
-  }
-}
-
 void CompareWithBaseline(const StudyResult& result, std::size_t metric, Summary& summary) {
   if (!summary.baseline) return;
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
@@ -153,43 +132,23 @@ void CompareWithBaseline(const StudyResult& result, std::size_t metric, Summary&
   }
 }
 
-void RankControllers(std::size_t metric, Summary& summary) {
-  std::vector<double> values;
-  for (const ControllerSummary& controller : summary.controllers) {
-    values.push_back(CanBeRanked(controller, metric) ? controller.summary[metric].mean : kNaN);
-  }
-  std::vector<int> ranks = Ranking(values, Metrics()[metric].lower_is_better);
-  for (std::size_t c = 0; c < ranks.size(); ++c) {
-    if (!summary.one_run && ranks[c] > 0) {
-      ranks[c] = 1;
-      for (std::size_t other = 0; other < ranks.size(); ++other) {
-        ranks[c] += summary.Of(metric, other, c).judgement == Judgement::kBetter;
-      }
-    }
-    summary.controllers[c].rank.push_back(ranks[c]);
-  }
-}
-
-std::vector<bool> DominatedControllers(const Summary& summary) {
-  const std::size_t controllers = summary.controllers.size();
-  const std::size_t jitter = MetricIndex("jitter_rms_deg");
-  const std::size_t delay = MetricIndex("delay_ms");
-  const auto as_good = [](Judgement judgement) {
-    return judgement == Judgement::kBetter || judgement == Judgement::kEqual;
-  };
-  std::vector<bool> dominated(controllers, false);
-  for (std::size_t c = 0; c < controllers; ++c) {
-    for (std::size_t other = 0; other < controllers; ++other) {
-      const Judgement shakes = summary.Of(jitter, other, c).judgement;
-      const Judgement lags = summary.Of(delay, other, c).judgement;
-      const bool better = shakes == Judgement::kBetter || lags == Judgement::kBetter;
-      if (better && as_good(shakes) && as_good(lags)) dominated[c] = true;
-    }
-  }
-  return dominated;
-}
-
 }  // namespace
+
+char Summary::MarkOf(std::size_t controller, std::size_t metric) const {
+  switch (controllers[controller].AgainstBaseline(metric)) {
+    case Judgement::kBetter:
+      return '*';
+    case Judgement::kEqual:
+      return '=';
+    case Judgement::kWorse:
+      return '!';
+    case Judgement::kUndecided:
+      return '?';
+    case Judgement::kNone:
+      break;
+  }
+  return ' ';
+}
 
 std::vector<int> MotionsOf(const StudyResult& result) {
   std::vector<int> motions;
@@ -230,11 +189,12 @@ Summary Summarise(const Study& study, const StudyResult& result, RecordingBlocks
   }
   JudgePairs(result, summary);
   for (std::size_t m = 0; m < Metrics().size(); ++m) {
-    CompareWithBest(m, summary);
     CompareWithBaseline(result, m, summary);
-    RankControllers(m, summary);
+    for (ControllerSummary& controller : summary.controllers) {
+      controller.has_score.push_back(HasScore(controller, m));
+    }
   }
-  summary.dominated = DominatedControllers(summary);
+  summary.answer = AnswerOf(summary);
   return summary;
 }
 

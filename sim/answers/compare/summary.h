@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/answers/compare/comparison_answer.h"
 #include "sim/answers/compare/prediction_ceiling.h"
 #include "sim/answers/compare/recording_blocks.h"
 #include "sim/answers/compare/smoothing_ranking.h"
@@ -19,35 +20,28 @@ namespace gauntlet::sim {
 struct ControllerSummary {
   std::string name;
   std::vector<MeanInterval> summary;  // of itself, 95 %: nothing is decided by it
-  /// Against the best of each metric, paired by seed. kNone for the best itself.
-  std::vector<Comparison> to_best;
   /// Against the baseline. This and the next are empty without a baseline, and for the baseline.
   std::vector<Comparison> to_baseline;
-  std::vector<double> effect_size;  // of that difference
-  /// 1: none is judged better; else one more than are judged better. 0: has no score, or its trials
-  /// failed. Of one run, the place of its value.
-  std::vector<int> rank;
-  std::vector<bool> as_good_as_best;      // the best one, and those judged equal to it
+  std::vector<double> effect_size;        // of that difference
+  std::vector<bool> has_score;            // that can be compared: also false if a trial failed
   std::vector<std::vector<double>> rows;  // rows of ScoreRows x metrics, means
   int failed_trials = 0;                  // their hands were stopped, and have no scores
   std::string problem;                    // of the first of them; empty if all was well
 
-  bool IsWorseThanBaseline(std::size_t metric) const {
-    return metric < to_baseline.size() && to_baseline[metric].judgement == Judgement::kWorse;
+  /// kNone without a baseline, for it, and without an interval.
+  Judgement AgainstBaseline(std::size_t metric) const {
+    return metric < to_baseline.size() ? to_baseline[metric].judgement : Judgement::kNone;
   }
 };
 
 /// Means and judgements of a comparison. All pairs of controllers in the primary scores are one
-/// family of questions, see Judge(), and decide the verdict. Those in all other metrics are a
+/// family of questions, see Judge(), and decide the answer. Those in all other metrics are a
 /// second family, which explains it. Every pair has one interval and one judgement, and the best
 /// may be chosen from the same data. A controller with a failed trial is in no pair.
 struct Summary {
   std::vector<ControllerSummary> controllers;
-  std::vector<bool> dominated;          // another is better in jitter or delay, and equal or better
-                                        // in the other
   std::optional<std::size_t> baseline;  // index of the controller that others are compared with
-  /// Fewer than two replicates allow no statement about chance: no interval, nothing is as good as
-  /// the best, nothing is worse than the baseline.
+  /// Fewer than two replicates allow no statement about chance: no interval, no judgement.
   bool one_run = true;
   RecordingBlocks blocks;  // of one recording: these are the replicates. A score without values of
                            // blocks has no interval and no judgement
@@ -57,11 +51,14 @@ struct Summary {
   Priority priority = {.metric = PrimaryScores().front().metric, .bounds = {}};  // of the scenario
   std::vector<std::string> assumed;     // in column maps of recordings, a sentence each
   std::vector<Comparison> comparisons;  // of all pairs, both ways: see Of()
+  ComparisonAnswer answer = {};         // what follows from all this: every output shows it
 
   /// Difference of a metric, first controller minus second, and its judgement.
   const Comparison& Of(std::size_t metric, std::size_t first, std::size_t second) const {
     return comparisons[Place(metric, first, second)];
   }
+  /// "*" better than the baseline, "=" equivalent, "!" worse, "?" undecided, else " ".
+  char MarkOf(std::size_t controller, std::size_t metric) const;
   std::size_t Place(std::size_t metric, std::size_t first, std::size_t second) const {
     return (metric * controllers.size() + first) * controllers.size() + second;
   }

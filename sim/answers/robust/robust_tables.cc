@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/answers/compare/comparison_verdict.h"
 #include "sim/base/json.h"
 #include "sim/score/statistics/result_cells.h"
 
@@ -80,7 +79,7 @@ ResultTable HandsTable(const RobustResult& result) {
   for (const RobustScore& score : result.scores) {
     table.columns.push_back(ForPeople(ScoreHeading(score.metric)));
   }
-  for (const std::size_t c : OrderOfVerdict(result.nominal)) {
+  for (const std::size_t c : result.nominal.answer.order) {
     ResultRow& row =
         table.rows.emplace_back(ResultRow{ResultCell::Text(result.nominal.controllers[c].name)});
     for (const RobustScore& score : result.scores) {
@@ -94,7 +93,7 @@ ResultTable HandsTable(const RobustResult& result) {
 }  // namespace
 
 Verdict VerdictOf(const RobustPlan& plan, const RobustResult& result) {
-  const Verdict nominal = VerdictOf(result.nominal);
+  const Verdict& nominal = result.nominal.answer.verdict;
   Verdict verdict;
   for (const RobustScore& score : result.scores) {
     if (score.metric != plan.sweep.best_by) continue;
@@ -154,8 +153,9 @@ ResultTable RobustScoreTable(const RobustResult& result, const RobustScore& scor
                   ShareColumn("near_best", "equivalent", "")}};
   for (std::size_t c = 0; c < score.controllers.size(); ++c) {
     const ControllerSummary& nominal = result.nominal.controllers[c];
-    const Comparison& to_best = nominal.to_best[score.metric];
     const bool is_best = score.two_best.front() == c;
+    const Comparison to_best =
+        is_best ? Comparison{} : result.nominal.Of(score.metric, c, score.two_best.front());
     table.rows.push_back(
         {ResultCell(key), ResultCell(nominal.name), LevelCell(nominal.summary[score.metric]),
          CellOf(to_best.difference, is_best ? "best" : JudgementText(to_best.judgement)),

@@ -9,7 +9,6 @@
 #include <string_view>
 #include <tuple>
 
-#include "sim/answers/compare/comparison_verdict.h"
 #include "sim/results/table_text.h"
 #include "sim/show/figure/palette.h"
 #include "sim/show/figure/panel.h"
@@ -19,7 +18,7 @@ namespace {
 
 constexpr double kPointRadius = 6.0;   // radius
 constexpr double kNameLetters = 13.0;  // of the names
-// Least width of a figure that names the band and says who is dominated.
+// Least width of a figure that names the band.
 constexpr double kWordWidth = 560.0;
 /// Best delay of the controller of a prosthesis. Source: Farrell and Weir 2007.
 constexpr Extent kBestDelay_ms = {100.0, 125.0};
@@ -29,19 +28,17 @@ struct FrontPoint {
   std::string name;
   double delay_ms;
   double jitter_deg;
-  bool dominated;
 };
 
 std::vector<FrontPoint> PointsOf(const Summary& summary) {
   const std::size_t delay = MetricIndex("delay_ms"), jitter = MetricIndex("jitter_rms_deg");
-  const auto series = SeriesOf(OrderOfVerdict(summary), summary.baseline);
+  const auto series = SeriesOf(summary.answer.order, summary.baseline);
   std::vector<FrontPoint> points;
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
     const auto& [name, scores] =
         std::tie(summary.controllers[c].name, summary.controllers[c].summary);
     if (!std::isfinite(scores[delay].mean) || !std::isfinite(scores[jitter].mean)) continue;
-    points.push_back(
-        {series[c], name, scores[delay].mean, scores[jitter].mean, summary.dominated[c] != 0});
+    points.push_back({series[c], name, scores[delay].mean, scores[jitter].mean});
   }
   return points;
 }
@@ -69,9 +66,7 @@ void AddNames(Figure& figure, const FigureBox& area, const std::vector<FrontPoin
   std::ranges::stable_sort(longest_first, std::ranges::greater(),
                            [&](std::size_t i) { return points[i].name.size(); });
   for (const std::size_t i : longest_first) {
-    const bool says = points[i].dominated && figure.width_px >= kWordWidth;
-    const std::string name = points[i].name + (says ? " (dominated)" : "");
-    const double width = TextWidth(name, kNameLetters);
+    const double width = TextWidth(points[i].name, kNameLetters);
     const auto box_of = [&](const NameChoice& choice) {
       const double left =
           places[i].x + choice.offset.x - 0.5 * width * static_cast<int>(choice.anchor);
@@ -89,16 +84,16 @@ void AddNames(Figure& figure, const FigureBox& area, const std::vector<FrontPoin
         };
     const NameChoice& choice = *std::ranges::min_element(kNameChoices, {}, faults);
     taken.push_back(box_of(choice));
-    figure.Text({places[i].x + choice.offset.x, places[i].y + choice.offset.y}, choice.anchor, name,
-                {points[i].dominated ? "label faint" : "label"});
+    figure.Text({places[i].x + choice.offset.x, places[i].y + choice.offset.y}, choice.anchor,
+                points[i].name, {"label"});
   }
 }
 
 std::string SaidOf(const std::vector<FrontPoint>& points) {
   std::string said = "Jitter against delay.";
   for (const FrontPoint& point : points) {
-    said += fmt::format(" {}: {} ms, {} deg{};", point.name, Short(point.delay_ms),
-                        Short(point.jitter_deg), point.dominated ? ", dominated" : "");
+    said += fmt::format(" {}: {} ms, {} deg;", point.name, Short(point.delay_ms),
+                        Short(point.jitter_deg));
   }
   return said;
 }
@@ -108,10 +103,8 @@ constexpr const char* kFileStyle = R"(svg{background:var(--ground)}
 text{fill:var(--muted);font:12.5px system-ui,"DejaVu Sans",sans-serif}
 .grid{stroke:var(--line)}.axis{stroke:var(--muted)}
 .point{fill:var(--series);stroke:var(--ground);stroke-width:1.5}
-.dominated{fill:var(--ground);stroke:var(--series);stroke-width:2}
-.label{fill:var(--ink);font-size:13px;font-weight:500}.faint{fill:var(--muted);font-weight:400}
+.label{fill:var(--ink);font-size:13px;font-weight:500}
 .band{fill:var(--accent);opacity:.1}.band-name{fill:var(--accent)}
-.front-line{fill:none;stroke:var(--muted);stroke-dasharray:2 4}
 )";
 
 std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, double width_px,
@@ -132,16 +125,10 @@ std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, dou
     figure.Text({band + 7.0, bottom - 7.0}, Anchor::kStart, "125 ms", {"band-name"});
   }
   panel.AddAxes(figure);
-  std::vector<FigurePoint> places, front;
+  std::vector<FigurePoint> places;
   for (const FrontPoint& point : points) {
     places.push_back(panel.At(point.delay_ms, point.jitter_deg));
-    if (!point.dominated) front.push_back(places.back());
-  }
-  std::ranges::sort(front, {}, &FigurePoint::x);
-  figure.Path(front, {"front-line"});
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const char* css = points[i].dominated ? "point dominated" : "point";
-    figure.Dot(places[i], kPointRadius, InkOfSeries(points[i].series, css));
+    figure.Dot(places.back(), kPointRadius, InkOfSeries(point.series, "point"));
   }
   AddNames(figure, panel.area(), points, places);
   return SvgOf(figure, style_sheet);

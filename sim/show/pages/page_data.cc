@@ -69,13 +69,13 @@ Json ControllerJson(const StudyResult& result, const Summary& summary, std::size
   json["name"] = controller.name;
   json["colour"] = CssOfSeries(series);
   json["baseline"] = summary.baseline == index;
-  json["dominated"] = static_cast<bool>(summary.dominated[index]);
   json["failed_trials"] = controller.failed_trials;
   json["problem"] = controller.problem;
   json["untrusted_samples"] = UntrustedSamples(result, index);
   json["summary"] = Estimates(controller.summary);
-  json["to_best"] = ComparisonsJson(controller.to_best);
-  json["as_good_as_best"] = controller.as_good_as_best;
+  std::string marks;  // one per metric
+  for (std::size_t m = 0; m < Metrics().size(); ++m) marks += summary.MarkOf(index, m);
+  json["marks"] = marks;
   json["to_baseline"] = ComparisonsJson(controller.to_baseline);
   json["effect_size"] = Numbers(controller.effect_size);
   for (const std::vector<double>& row : controller.rows) json["rows"].push_back(Numbers(row));
@@ -213,8 +213,9 @@ Json PageData(const FinishedStudy& finished, const FirstSeed& first_seed) {
   json["reference"] = result.reference_name;
   json["metrics"] = MetricsJson();
   json["notes"] = Notes(finished);
+  json["legend"] = MarkLegend(summary);
   json["failures"] = Failures(summary, result.seeds.size());
-  const std::vector<std::size_t> order = OrderOfVerdict(summary);
+  const std::vector<std::size_t>& order = summary.answer.order;
   const std::vector<std::size_t> series = SeriesOf(order, summary.baseline);
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
     json["controllers"].push_back(ControllerJson(result, summary, c, series[c]));
@@ -232,7 +233,7 @@ Json PageData(const FinishedStudy& finished, const FirstSeed& first_seed) {
   if (!first_seed.controllers.empty()) json["curves"] = CurvesJson(first_seed);
   json["uncounted_s"] = UncountedJson(finished, first_seed);
   json["replay"] = ReplayData(finished);
-  json["shown"] = ShownControllers(summary);
+  json["shown"] = summary.answer.shown;
   json["decisive_second"] = nullptr;
   if (const auto second = DecisiveSecondOf(finished)) {
     json["decisive_second"] = {second->from_s, second->to_s, second->moment_s};

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/answers/compare/comparison_verdict.h"
 #include "sim/answers/compare/study_files.h"
 #include "sim/base/json.h"
 #include "sim/results/html_text.h"
@@ -125,7 +124,7 @@ std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) 
       {.title = finished.study.scenario.name,
        .question = finished.study.scenario.question,
        .facts = Facts(finished),
-       .verdict = fmt::format("{}", fmt::join(VerdictOf(finished.summary).Answer(), " ")),
+       .verdict = fmt::format("{}", fmt::join(finished.summary.answer.verdict.Answer(), " ")),
        .numbers = HtmlOf(ShownText(finished)),
        .doubts = HtmlOf(notes),
        .answer = HtmlOf(AnswerText(finished)),

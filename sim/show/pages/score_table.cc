@@ -41,27 +41,27 @@ std::string DifferenceText(const MeanInterval& difference) {
                      decimals);
 }
 
-/// Cell of a controller's metric: its value, below it the difference to the best.
-ResultCell CellOf(const Summary& summary, const ControllerSummary& controller, std::size_t metric) {
-  const MeanInterval& own = controller.summary[metric];
-  ResultCell cell(own.mean);
+/// True if several runs are compared with a baseline.
+bool HasDifferences(const Summary& summary) {
+  return summary.baseline && !summary.one_run && summary.controllers.size() > 1;
+}
+
+/// Cell of a controller's metric: its value, below it the difference to the baseline, or its own
+/// interval where there is none.
+ResultCell CellOf(const Summary& summary, std::size_t controller, std::size_t metric) {
+  const ControllerSummary& own = summary.controllers[controller];
+  const MeanInterval& mean = own.summary[metric];
+  ResultCell cell(mean.mean);
   const auto add_line = [&cell](const std::string& text) {
     if (!text.empty()) cell.text += kBreak + text;
   };
   if (summary.one_run) return cell;
-  if (summary.controllers.size() == 1) {  // no other to differ from
-    if (std::isfinite(own.low)) add_line(fmt::format("±{}", Short(own.high - own.mean)));
+  if (!HasDifferences(summary)) {
+    if (std::isfinite(mean.low)) add_line(fmt::format("±{}", Short(mean.high - mean.mean)));
     return cell;
   }
-  const Comparison& to_best = controller.to_best[metric];
-  if (controller.as_good_as_best[metric]) {
-    cell.mark = '*';
-  } else if (to_best.judgement == Judgement::kUndecided) {
-    cell.mark = '~';
-  }
-  if (controller.IsWorseThanBaseline(metric)) cell.mark = '!';
-  const bool is_best = controller.as_good_as_best[metric] && to_best.judgement == Judgement::kNone;
-  add_line(is_best ? "best" : DifferenceText(to_best.difference));
+  cell.mark = summary.MarkOf(controller, metric);
+  if (!own.to_baseline.empty()) add_line(DifferenceText(own.to_baseline[metric].difference));
   return cell;
 }
 
@@ -72,27 +72,10 @@ ResultTable MeansTable(const Summary& summary) {
   for (const auto& [c, name] : ControllerRows(summary)) {
     ResultRow& row = table.rows.emplace_back(ResultRow{name});
     for (const std::size_t metric : shown) {
-      row.push_back(CellOf(summary, summary.controllers[c], metric));
+      row.push_back(CellOf(summary, c, metric));
     }
   }
   return table;
-}
-
-/// A mark against the baseline, as the legend explains it.
-char MarkOf(const Summary& summary, std::size_t controller, std::size_t metric) {
-  if (!summary.baseline || summary.one_run || controller == *summary.baseline) return ' ';
-  switch (summary.Of(metric, controller, *summary.baseline).judgement) {
-    case Judgement::kBetter:
-      return '*';
-    case Judgement::kEqual:
-      return '=';
-    case Judgement::kWorse:
-      return '!';
-    case Judgement::kUndecided:
-      return '?';
-    default:
-      return ' ';
-  }
 }
 
 bool IsPrimary(std::size_t metric) {
@@ -104,14 +87,14 @@ ResultTable TableOf(const Summary& summary, const std::vector<ControllerRow>& co
                     const std::vector<std::size_t>& metrics) {
   ResultTable table{.columns = {{"name", "controller"}}};
   for (const std::size_t metric : metrics) table.columns.push_back(ColumnOf(metric));
-  const std::vector<std::string> roles = RolesOf(summary);
+  const std::vector<std::string>& roles = summary.answer.roles;
   const bool has_roles = std::ranges::any_of(roles, [](const auto& role) { return !role.empty(); });
   if (has_roles) table.columns.push_back(ForPeople("verdict").Words());
   for (const auto& [c, name] : controllers) {
     ResultRow& row = table.rows.emplace_back(ResultRow{name});
     for (const std::size_t metric : metrics) {
       row.emplace_back(summary.controllers[c].summary[metric].mean);
-      row.back().mark = MarkOf(summary, c, metric);
+      row.back().mark = summary.MarkOf(c, metric);
     }
     if (has_roles) row.push_back(ResultCell::Text(roles[c]));
   }
@@ -127,19 +110,13 @@ ResultTable AnswerTable(const Summary& summary) {
   return TableOf(summary, ControllerRows(summary), metrics);
 }
 
-std::string AnswerLegend(const Summary& summary) {
-  if (!summary.baseline || summary.one_run || summary.controllers.size() < 2) return "";
-  return fmt::format("* better, = equivalent, ! worse, ? undecided (compared with {})",
-                     summary.controllers[*summary.baseline].name);
-}
-
 /// "Causes of the squared error of raw: link 29 %, servo 25 %, friction 18 %."
 std::string CauseLine(const Summary& summary) {
   constexpr double kLeast = 0.05;
   constexpr double kMostCancelled = 0.25;
   constexpr std::size_t kMost = 3;
   const ControllerSummary& controller =
-      summary.controllers[summary.baseline ? *summary.baseline : OrderOfVerdict(summary).front()];
+      summary.controllers[summary.baseline ? *summary.baseline : summary.answer.order.front()];
   const std::vector<double> parts = ErrorByCause(controller);
   double whole = 0.0;
   std::vector<std::pair<double, std::string_view>> causes;
@@ -202,14 +179,6 @@ std::string ReasonForNoChance(const FinishedStudy& finished) {
   return "For a recommendation, run several seeds (gauntlet compare).";
 }
 
-std::string Legend(const Summary& summary) {
-  std::string legend = "* best or equivalent   ~ undecided";
-  if (summary.baseline) {
-    legend += "   ! worse than " + summary.controllers[*summary.baseline].name;
-  }
-  return legend;
-}
-
 /// "97 % between motions and 3 % between noise seeds", a mean over controllers; empty where it is
 /// not known.
 std::string SharesText(const Summary& summary, const auto& interval_of) {
@@ -232,8 +201,9 @@ std::string WhoseScatter(const Summary& summary) {
   const std::size_t tracking = MetricIndex("tracking_rmse_deg");
   const std::string of_values =
       SharesText(summary, [&](const auto& c) { return c.summary[tracking]; });
-  const std::string of_differences =
-      SharesText(summary, [&](const auto& c) { return c.to_best[tracking].difference; });
+  const std::string of_differences = SharesText(summary, [&](const auto& c) {
+    return c.to_baseline.empty() ? MeanInterval{} : c.to_baseline[tracking].difference;
+  });
   if (of_values.empty()) return "";
   std::string text = fmt::format("Variance of the tracking error: {}", of_values);
   if (!of_differences.empty()) text += fmt::format("; of its differences: {}", of_differences);
@@ -281,18 +251,20 @@ std::string JointsWithDelay(const FinishedStudy& finished) {
 /// Sentences of a table of several seeds about chance.
 std::vector<std::string> NotesOnChance(const Summary& summary) {
   std::vector<std::string> notes;
-  if (summary.controllers.size() == 1) {
+  if (!HasDifferences(summary)) {
     notes.emplace_back("± 95 % confidence interval of the mean.");
   }
-  if (summary.pairs > 0) {
+  if (summary.pairs > 0 && HasDifferences(summary)) {
     notes.push_back(fmt::format(
-        "Second line: difference to the best of the column, paired by {}, ± simultaneous 95 % "
+        "Second line: difference to {}, paired by {}, ± simultaneous 95 % "
         "confidence interval of the {} pairs in tracking error, delay and jitter, and of the {} "
         "pairs in all other scores (Bonferroni).",
-        summary.blocks.empty() ? "seed" : "block", summary.primary_pairs,
-        summary.pairs - summary.primary_pairs));
-    notes.push_back(WhatMatters(summary));
+        summary.controllers[*summary.baseline].name, summary.blocks.empty() ? "seed" : "block",
+        summary.primary_pairs, summary.pairs - summary.primary_pairs));
+  } else if (summary.pairs > 0) {
+    notes.emplace_back("For marks and differences, name a controller: baseline: NAME.");
   }
+  if (summary.pairs > 0) notes.push_back(WhatMatters(summary));
   if (!summary.blocks.empty()) {
     notes.push_back(fmt::format(
         "Replicates: {} of this recording, each left out in turn (jackknife). The errors are "
@@ -325,6 +297,12 @@ std::string SmoothingText(const FinishedStudy& finished) {
 }
 
 }  // namespace
+
+std::string MarkLegend(const Summary& summary) {
+  if (!HasDifferences(summary)) return "";
+  return fmt::format("* better, = equivalent, ! worse, ? undecided (compared with {})",
+                     summary.controllers[*summary.baseline].name);
+}
 
 std::vector<std::string> Notes(const FinishedStudy& finished) {
   const Summary& summary = finished.summary;
@@ -383,18 +361,19 @@ void AddAnswerNotes(const FinishedStudy& finished, ResultText& text) {
   const Summary& summary = finished.summary;
   AddLine(CauseLine(summary), text);
   for (const std::string& missing : MissingSeeds(finished.result, summary)) AddLine(missing, text);
-  for (const std::string& doubt : VerdictOf(summary).Doubts()) AddLine("Warning: " + doubt, text);
+  for (const std::string& doubt : summary.answer.verdict.Doubts())
+    AddLine("Warning: " + doubt, text);
 }
 
 ResultText AnswerText(const FinishedStudy& finished) {
   ResultText text = {AnswerTable(finished.summary)};
-  AddLine(AnswerLegend(finished.summary), text);
+  AddLine(MarkLegend(finished.summary), text);
   return text;
 }
 
 ResultText ShownText(const FinishedStudy& finished) {
   const Summary& summary = finished.summary;
-  const std::vector<std::size_t> shown = ShownControllers(summary);
+  const std::vector<std::size_t>& shown = summary.answer.shown;
   std::vector<ControllerRow> rows = ControllerRows(summary);
   std::erase_if(rows, [&](const ControllerRow& row) {
     return std::ranges::count(shown, row.controller) == 0;
@@ -405,7 +384,7 @@ ResultText ShownText(const FinishedStudy& finished) {
   std::vector<std::size_t> metrics = ShownMetrics(summary);
   std::erase_if(metrics, [](std::size_t metric) { return !IsPrimary(metric); });
   ResultText text = {TableOf(summary, rows, metrics)};
-  AddLine(AnswerLegend(summary), text);
+  AddLine(MarkLegend(summary), text);
   return text;
 }
 
@@ -422,14 +401,13 @@ ResultText ScoreText(const FinishedStudy& finished, bool verbose) {
                                  scenario.question, DurationText(result),
                                  Measured(finished.study, result), seeds, result.reference_name)};
   text.emplace_back(std::string());
-  for (const std::string& sentence : VerdictOf(summary).Answer()) AddLine(sentence, text);
+  for (const std::string& sentence : summary.answer.verdict.Answer()) AddLine(sentence, text);
   if (summary.one_run) AddLine(ReasonForNoChance(finished), text);
   for (const std::string& failure : Failures(summary, result.seeds.size())) AddLine(failure, text);
   std::ranges::move(AnswerText(finished), std::back_inserter(text));
   AddAnswerNotes(finished, text);
   if (!verbose) return text;
   text.emplace_back(MeansTable(summary));
-  if (summary.pairs > 0) AddLine(Legend(summary), text);
   for (const std::string& note : Notes(finished)) AddLine(note, text);
   for (const PredictionCeiling& ceiling : finished.ceilings) {
     AddLine(PredictionText(ceiling), text);

@@ -41,9 +41,9 @@ double DrawLines(Painter& painter, const std::string& text, Point at, double wid
 
 Color ColorOf(ScoreBoardCell::Tone tone) {
   switch (tone) {
-    case ScoreBoardCell::Tone::kAsGoodAsBest:
+    case ScoreBoardCell::Tone::kBetter:
       return palette::kBetter;
-    case ScoreBoardCell::Tone::kWorseThanBaseline:
+    case ScoreBoardCell::Tone::kWorse:
       return palette::kWarning;
     case ScoreBoardCell::Tone::kPlain:
       break;

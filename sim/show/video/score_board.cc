@@ -26,34 +26,31 @@ constexpr Column kColumns[] = {{"tracking error", "tracking_rmse_deg", 2, "°"},
                                {"delay", "delay_ms", 0, " ms"},
                                {"jitter", "jitter_rms_deg", 3, "°"}};
 
-bool Holds(const Json& names, std::string_view name) {
-  return std::ranges::any_of(names, [&](const Json& one) { return one == name; });
+/// Adds the difference to the baseline, half of its interval if it has one, and its judgement.
+void AddDifference(const Json& difference, const Column& column, ScoreBoardCell& cell) {
+  if (!difference.at("verdict").is_string()) return;
+  const std::string verdict = difference.at("verdict").get<std::string>();
+  cell.detail = fmt::format("{:+.{}f}", difference.at("mean").get<double>(), column.decimals);
+  if (difference.at("low").is_number()) {
+    const double half =
+        0.5 * (difference.at("high").get<double>() - difference.at("low").get<double>());
+    cell.detail += fmt::format(" ± {:.{}f}", half, column.decimals);
+  }
+  cell.detail += ": " + (verdict == "equal" ? "equivalent" : verdict);
+  if (verdict == "better") cell.tone = ScoreBoardCell::Tone::kBetter;
+  if (verdict == "worse") cell.tone = ScoreBoardCell::Tone::kWorse;
 }
 
-/// The difference to the best and half of the interval that decides, as the table shows them.
-std::string DetailOf(const Json& difference, bool as_good, const Column& column) {
-  if (!difference.at("mean").is_number()) return "best";
-  const double half =
-      0.5 * (difference.at("high").get<double>() - difference.at("low").get<double>());
-  return fmt::format("+{:.{}f} ± {:.{}f}: {}", difference.at("mean").get<double>(), column.decimals,
-                     half, column.decimals,
-                     as_good ? "equivalent" : difference.at("verdict").get<std::string>());
-}
-
-ScoreBoardCell CellOf(const Json& controller, const Column& column, bool one_run) {
+/// `has_baseline`: the board shows what the differences are to.
+ScoreBoardCell CellOf(const Json& controller, const Column& column, bool has_baseline) {
   const Json& score = controller.at("summary").at(column.metric);
   const Json& mean = score.is_object() ? score.at("mean") : score;  // a run has the value itself
   if (!mean.is_number()) return {.value = "–", .detail = {}};
   ScoreBoardCell cell = {
       .value = fmt::format("{:.{}f}{}", mean.get<double>(), column.decimals, column.unit),
       .detail = {}};
-  if (one_run) return cell;
-  const bool as_good = Holds(controller.at("as_good_as_best"), column.metric);
-  cell.detail = DetailOf(controller.at("difference_to_best").at(column.metric), as_good, column);
-  if (Holds(controller.at("worse_than_baseline"), column.metric)) {
-    cell.tone = ScoreBoardCell::Tone::kWorseThanBaseline;
-  } else if (as_good) {
-    cell.tone = ScoreBoardCell::Tone::kAsGoodAsBest;
+  if (has_baseline && controller.contains("difference_to_baseline")) {
+    AddDifference(controller.at("difference_to_baseline").at(column.metric), column, cell);
   }
   return cell;
 }
@@ -70,18 +67,17 @@ Replicates ReplicatesIn(const Json& scores) {
   return {.count = scores.at("seeds").size()};
 }
 
-std::string RemarkOf(const Json& scores, bool one_run) {
-  if (one_run) return "One run: no confidence interval.";
-  const std::string baseline =
-      scores.at("baseline").is_string()
-          ? "  Red: worse than " + scores.at("baseline").get<std::string>() + "."
-          : "";
+/// `baseline`: of the board; may be empty.
+std::string RemarkOf(const Json& scores, const std::string& baseline) {
   const Replicates replicates = ReplicatesIn(scores);
+  if (replicates.count < 2) return "One run: no confidence interval.";
+  const std::string from =
+      fmt::format("{} {} {}.", replicates.are_blocks ? "Intervals from" : "Mean over",
+                  replicates.count, replicates.are_blocks ? "blocks of the recording" : "seeds");
+  if (baseline.empty()) return from;
   return fmt::format(
-      "{} {} {}.  Green: best or equivalent.{}  Differences to the best, ± 95 % confidence "
-      "interval.",
-      replicates.are_blocks ? "Intervals from" : "Mean over", replicates.count,
-      replicates.are_blocks ? "blocks of the recording" : "seeds", baseline);
+      "{}  Differences to {}, ± 95 % confidence interval.  Green: better.  Red: worse.", from,
+      baseline);
 }
 
 /// The sentences of the verdict, without its warnings.
@@ -151,9 +147,14 @@ ScoreBoard ReadScoreBoard(const std::filesystem::path& file,
                           const std::vector<std::string>& controllers) {
   try {
     const Json scores = JsonIn(file);
-    const bool one_run = ReplicatesIn(scores).count < 2;
-    ScoreBoard verdict = {
-        .answer = AnswerOf(scores), .columns = {}, .rows = {}, .remark = RemarkOf(scores, one_run)};
+    const Json name_of_baseline = scores.value("baseline", Json());
+    const auto baseline = std::ranges::find_if(
+        controllers, [&](const std::string& name) { return name_of_baseline == name; });
+    const bool has_baseline = baseline != controllers.end() && ReplicatesIn(scores).count > 1;
+    ScoreBoard verdict = {.answer = AnswerOf(scores),
+                          .columns = {},
+                          .rows = {},
+                          .remark = RemarkOf(scores, has_baseline ? *baseline : "")};
     for (const Column& column : kColumns) verdict.columns.emplace_back(column.title);
     for (const std::string& name : controllers) {
       const Json& all = scores.at("controllers");
@@ -162,7 +163,8 @@ ScoreBoard ReadScoreBoard(const std::filesystem::path& file,
       if (found == all.end())
         throw UserError({.place = file.string(), .problem = "has no controller " + name});
       ScoreBoardRow row = {.controller = name, .cells = {}};
-      for (const Column& column : kColumns) row.cells.push_back(CellOf(*found, column, one_run));
+      for (const Column& column : kColumns)
+        row.cells.push_back(CellOf(*found, column, has_baseline));
       verdict.rows.push_back(std::move(row));
     }
     return verdict;

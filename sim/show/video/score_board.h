@@ -13,9 +13,9 @@ namespace gauntlet::sim {
 
 /// A score of a controller as the end of a video shows it.
 struct ScoreBoardCell {
-  enum class Tone { kPlain, kAsGoodAsBest, kWorseThanBaseline };
-  std::string value;   // 6.44°
-  std::string detail;  // how far from the best, with its interval; may be empty
+  enum class Tone { kPlain, kBetter, kWorse };  // than the baseline
+  std::string value;                            // 6.44°
+  std::string detail;  // difference to the baseline, with its interval; may be empty
   Tone tone = Tone::kPlain;
 };
 
@@ -52,7 +52,8 @@ Excerpt SlowMotionOf(const DecisiveSecond& second);
 /// Errors: UserError for a file that is none.
 VideoPlan ReadVideoPlan(const std::filesystem::path& file);
 
-/// From `scores.json`, of some controllers and in their order. Errors: UserError for a file that is
+/// From `scores.json`, of some controllers and in their order. Differences only if the baseline is
+/// one of them. Errors: UserError for a file that is
 /// none, or that lacks one of them.
 ScoreBoard ReadScoreBoard(const std::filesystem::path& file,
                           const std::vector<std::string>& controllers);

@@ -17,32 +17,21 @@ function seedsText(data, estimate) {
   return data.blocks || count === 0 || count === all ? "" : ` ${count} of ${all} seeds`;
 }
 
-// What a cell is, in the words of scores.json; one run decides nothing.
-function judgedAs(data, metric, c) {
-  const against_baseline = c.to_baseline[metric]?.verdict;
-  if (against_baseline === "worse") return {kind: "worse", mark: "▲", said: `worse than ${data.baseline}`};
-  if (!data.comparison || data.controllers.length < 2) return {kind: null, mark: "", said: ""};
-  const to_best = c.to_best[metric].verdict;
-  if (c.as_good_as_best[metric]) {
-    return {kind: "best", mark: "★", said: to_best === "equal" ? "equal to the best" : "best"};
-  }
-  if (to_best === "undecided") return {kind: null, mark: "~", said: "undecided"};
-  return {kind: null, mark: "", said: ""};
-}
-
 function scoreCell(data, metric, controller) {
   const c = data.controllers[controller];
   const estimate = c.summary[metric];
-  const {kind, mark, said} = judgedAs(data, metric, c);
+  const mark = c.marks[metric].trim();
+  const kind = {"*": "better", "!": "worse"}[mark] ?? null;
+  const said = mark ? `${c.to_baseline[metric].verdict}, compared with ${data.baseline}` : "";
   const means = data.controllers.map((other) => other.summary[metric][0]);
   const largest = Math.max(...means.map((mean) => mean ?? 0));
   const bars = largest > 0 && means.every((mean) => mean === null || mean >= 0);
-  const spread = data.comparison ? differenceText(c.to_best[metric]) : "";
+  const spread = data.comparison && c.to_baseline.length ? differenceText(c.to_baseline[metric]) : "";
   return element("td", {class: kind, title: said || null},
     element("span", {class: "value"}, formatNumber(estimate[0])),
     element("span", {class: "mark", "aria-hidden": "true"}, mark),
     said ? element("span", {class: "hidden-text"}, ` (${said})`) : null,
-    data.comparison ? element("span", {class: "spread"}, spread || (kind === "best" ? "best" : ""),
+    data.comparison ? element("span", {class: "spread"}, spread,
       c.failed_trials ? "" : seedsText(data, estimate)) : null,
     bars && estimate[0] !== null
       ? element("span", {class: "bar", style:
@@ -67,15 +56,14 @@ function definitionRow(data, metric, id) {
       element("br"), `Smallest relevant difference: ${relevant_reason}.`));
   for (const controller of data.order.map((c) => data.controllers[c])) {
     const cell = element("td");
-    for (const [difference, other] of [[controller.to_best[metric], "the best"],
-      [controller.to_baseline[metric], data.baseline]]) {
-      if (!difference || difference.mean === null) continue;
+    const difference = controller.to_baseline[metric];
+    if (difference && difference.mean !== null) {
       const sign = difference.mean > 0 ? "+" : "";
-      if (cell.hasChildNodes()) cell.append(element("br"));
-      cell.append(`${sign}${formatNumber(difference.mean)} to ${other}`);
-      if (!data.comparison || !difference.verdict) continue;
-      cell.append(element("br"), comparisonText(difference), element("br"),
-        `smallest relevant difference: ${formatNumber(difference.relevant_difference)}`);
+      cell.append(`${sign}${formatNumber(difference.mean)} to ${data.baseline}`);
+      if (data.comparison && difference.verdict) {
+        cell.append(element("br"), comparisonText(difference), element("br"),
+          `smallest relevant difference: ${formatNumber(difference.relevant_difference)}`);
+      }
     }
     const effect = controller.effect_size[metric];
     if (data.comparison && effect !== null && effect !== undefined) {
@@ -101,7 +89,7 @@ function metricRows(data, metric) {
       row.classList.toggle("open", !definitionOfRow.hidden);
     }}, name, " ", element("span", {class: "unit"}, unit));
   const sort = element("button", {type: "button", class: "sort", "aria-label": `Order by ${name}`,
-    title: `Order the columns by this score: best first`, onclick: () => data.orderBy(metric)}, "⇤");
+    title: "Order the columns by this score", onclick: () => data.orderBy(metric)}, "⇤");
   row.append(element("th", {scope: "row"}, sort, button, element("span", {class: "help"}, help)));
   data.order.forEach((c) => row.append(scoreCell(data, metric, c)));
   return [row, definitionOfRow];
@@ -191,12 +179,5 @@ function drawScoreTable(data) {
       : data.comparison ? `Means over ${data.seeds.length} seeds.` : "One run.",
     "Averaged over joints, motors or cables. Each score opens its definition."].join(" ");
   byId("scores-facts").append(...data.notes.map((note) => element("li", {}, note)));
-  const marks = [];
-  if (data.comparison && data.controllers.length > 1) {
-    marks.push("★ best or equivalent", "~ undecided");
-  }
-  if (data.controllers.some((c) => c.to_baseline.some((d) => d.verdict === "worse"))) {
-    marks.push(`▲ worse than ${data.baseline}`);
-  }
-  byId("scores-legend").textContent = marks.join("\u2003");
+  byId("scores-legend").textContent = data.legend;
 }
