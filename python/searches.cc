@@ -23,6 +23,7 @@
 #include "sim/base/output_folder.h"
 #include "sim/base/signal_storage.h"
 #include "sim/base/threads.h"
+#include "sim/results/answer_files.h"
 #include "sim/show/pages/sweep_page.h"
 #include "sim/show/pages/tune_all_page.h"
 #include "sim/show/pages/tune_page.h"
@@ -104,7 +105,9 @@ py::dict Sweep(const SettingsSource& study, const sim::SweepOverrides& overrides
     const std::string hash = sim::HashOfSweep(plan);
     sim::OutputFolder folder(out);
     sim::OutputFiles files(
-        {.folder = folder.path(), .command = "sweep", .results = {"report.html", "cells.csv"}});
+        {.folder = folder.path(),
+         .command = "sweep",
+         .results = {"report.html", "cells.csv", sim::kAnswerFile, sim::kVerboseAnswerFile}});
     sim::SweepDatabase database(folder.path() / "study.db", hash, plan.metrics);
     const sim::CellRange cells = sim::ShardOf(plan, 1, 1);
     try {
@@ -124,6 +127,8 @@ py::dict Sweep(const SettingsSource& study, const sim::SweepOverrides& overrides
       sim::WriteOutputFile(place / "cells.csv", csv);
       sim::WriteOutputFile(place / "report.html",
                            sim::SweepPage(plan, database, cells, summary, response));
+      sim::WriteAnswer(place, sim::SweepText(plan, summary, response, false),
+                       sim::SweepText(plan, summary, response, true));
     });
     files.Commit();
     folder.Keep();

@@ -18,6 +18,7 @@ Command MakeRenderCommand();
 Command MakeExportCommand();
 Command MakeDiffCommand();
 Command MakeReportCommand();
+Command MakeShowCommand();
 Command MakeInspectCommand();
 Command MakeFilterCommand();
 Command MakeListCommand();

@@ -56,8 +56,9 @@ void ShortenNames(std::vector<StudyFolder>& folders) {
 
 void Report(const ReportOptions& options) {
   if (options.folders.size() < 2) {
-    throw UserError({.place = "report " + options.folders.front(),
-                     .problem = "is one folder, needs two or more"});
+    throw UserError(
+        {.place = "report " + options.folders.front(),
+         .problem = "is one folder, needs two or more; gauntlet show prints its answer"});
   }
   std::vector<StudyFolder> folders;
   for (const std::string& folder : options.folders) {

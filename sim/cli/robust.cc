@@ -4,6 +4,7 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/results/answer_files.h"
 #include "sim/settings/yaml_tree.h"
 #include "sim/show/pages/robust_page.h"
 #include "sim/study/scenario/scenario_reader.h"
@@ -63,7 +64,7 @@ void RunRobustCommand(const RobustCommand& command) {
                      {.folder = {},
                       .command = "robust",
                       .results = {"scenario.resolved.yaml", "cells.csv", "robust.csv",
-                                  "tornado.csv", "report.html"}});
+                                  "tornado.csv", "report.html", kAnswerFile, kVerboseAnswerFile}});
   folder.Run();
   std::optional<RobustResult> result;
   if (!folder.is_shard()) result = ConcludeRobust(plan, folder.database());
@@ -75,6 +76,7 @@ void RunRobustCommand(const RobustCommand& command) {
     WriteOutputFile(place / "robust.csv", RobustCsv(*result));
     WriteOutputFile(place / "tornado.csv", TornadoCsv(plan, *result));
     WriteOutputFile(place / "report.html", RobustPage(plan, folder.database(), *result));
+    WriteAnswer(place, RobustText(plan, *result, false), RobustText(plan, *result, true));
   });
   folder.files().Commit();
   const std::string written = "scenario.resolved.yaml, cells.csv, study.db, manifest.json";

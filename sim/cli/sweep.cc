@@ -15,6 +15,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/slurm.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/results/answer_files.h"
 #include "sim/show/pages/sweep_page.h"
 #include "sim/study/study.h"
 #include "sim/trial/external/external_filters.h"
@@ -191,7 +192,9 @@ void RunSweepCommand(const SweepCommand& command) {
   CheckProgramsOf(plan.scenario, plan.file.controllers);
   if (command.slurm) return SubmitSweep(command, plan);
   CellsFolder folder(plan, command.cells, "out/" + plan.file.name,
-                     {.folder = {}, .command = "sweep", .results = {"report.html", "cells.csv"}});
+                     {.folder = {},
+                      .command = "sweep",
+                      .results = {"report.html", "cells.csv", kAnswerFile, kVerboseAnswerFile}});
   folder.Run();
   SweepSummary summary;
   const Response response = ReadResponse(plan, folder.database(), folder.cells());
@@ -199,6 +202,8 @@ void RunSweepCommand(const SweepCommand& command) {
     summary = folder.WriteCells(place);
     WriteOutputFile(place / "report.html",
                     SweepPage(plan, folder.database(), folder.cells(), summary, response));
+    WriteAnswer(place, SweepText(plan, summary, response, false),
+                SweepText(plan, summary, response, true));
   });
   folder.files().Commit();
   if (command.json) {

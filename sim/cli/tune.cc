@@ -14,6 +14,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
+#include "sim/results/answer_files.h"
 #include "sim/settings/yaml_tree.h"
 #include "sim/show/pages/tune_all_page.h"
 #include "sim/show/pages/tune_page.h"
@@ -87,7 +88,7 @@ OutputFiles FilesOf(const std::vector<std::string>& controllers, const TuneComma
                     const OutputFolder& folder) {
   OutputPlan plan{.folder = folder.path(),
                   .command = "tune",
-                  .results = {"tune.csv", "report.html"},
+                  .results = {"tune.csv", "report.html", kAnswerFile, kVerboseAnswerFile},
                   .force = asked.force};
   for (const std::string& name : controllers) plan.editable.push_back(name + ".yaml");
   plan.results.insert(plan.results.end(), plan.editable.begin(), plan.editable.end());
@@ -106,6 +107,7 @@ void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folde
     WriteOutputFile(place / yaml.filename(), WithChecksum(ControllerYaml(result.controller)));
     WriteOutputFile(place / "tune.csv", TuneCsv(plan, result));
     WriteOutputFile(place / "report.html", TunePage(plan, result));
+    WriteAnswer(place, TuneText(plan, result, false), TuneText(plan, result, true));
   });
   files.Commit();
   folder.Keep();
@@ -136,6 +138,7 @@ void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder&
     }
     WriteOutputFile(place / "tune.csv", TuneAllCsv(kinds));
     WriteOutputFile(place / "report.html", TuneAllPage(plan, kinds));
+    WriteAnswer(place, TuneAllText(plan, kinds, false), TuneAllText(plan, kinds, true));
   });
   files.Commit();
   folder.Keep();

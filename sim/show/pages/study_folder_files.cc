@@ -4,7 +4,9 @@
 
 #include "sim/answers/compare/decisive_second.h"
 #include "sim/base/output_file.h"
+#include "sim/results/answer_files.h"
 #include "sim/show/pages/report_page.h"
+#include "sim/show/pages/score_table.h"
 #include "sim/show/video/comparison_video.h"
 #include "sim/show/video/score_board.h"
 
@@ -31,7 +33,7 @@ OutputFiles FilesOfStudy(const std::filesystem::path& folder) {
   return OutputFiles({.folder = folder,
                       .command = "run or compare",
                       .results = {"report.html", "scores.json", "scores.csv", "trace.h5",
-                                  "scenario.resolved.yaml"}});
+                                  "scenario.resolved.yaml", kAnswerFile, kVerboseAnswerFile}});
 }
 
 std::string StudyPage(const FinishedStudy& finished, bool has_video) {
@@ -43,6 +45,7 @@ void WriteStudyFolder(const FinishedStudy& finished, const TraceFormats& formats
   files.Write([&](const std::filesystem::path& place) {
     WriteStudyFiles(place, finished, formats);
     WriteOutputFile(place / "report.html", StudyPage(finished, has_video));
+    WriteAnswer(place, ScoreText(finished, false), ScoreText(finished, true));
   });
   files.Commit();
 }
