@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "controller/filters/filter_registry.h"
+#include "controller/number.h"
 #include "sim/answers/tune/tune_tables.h"
 #include "sim/base/error.h"
 #include "sim/base/normal_pair.h"
@@ -186,6 +187,74 @@ TEST_F(TuneTest, GivesTheSameOnAnyNumberOfThreadsAndReadsBack) {
 TEST_F(TuneTest, SaysThatNoSettingKeepsABound) {
   plan_.constraints = {ParseConstraint("jitter_rms_deg<=1e-6", "")};
   EXPECT_THROW(Run(), RunError);
+}
+
+TEST(ParseFree, HasAsManyDigitsAsTheRangeNeeds) {
+  EXPECT_EQ(ParseFree("filter.q=1e-6:10:log", "it").ValueAt(0.37), "0.000389");
+  EXPECT_EQ(ParseFree("filter.beta=0:1", "it").ValueAt(0.12345), "0.123");
+  const SweepAxis narrow = ParseFree("filter.q=1:1.001", "it");
+  EXPECT_NE(narrow.ValueAt(0.50), narrow.ValueAt(0.51));
+  const SweepAxis odd = ParseFree("filter.q=0.12346:0.98764", "it");
+  for (double place = 0.0; place <= 1.0; place += 1e-4) {
+    const double value = controller::ParseNumber(odd.ValueAt(place)).value();
+    EXPECT_GE(value, odd.low);
+    EXPECT_LE(value, odd.high);
+  }
+}
+
+/// The verdict on one setting with this value.
+std::string VerdictOn(const std::string& free, const controller::FilterConfig& filter,
+                      controller::FilterOn on, double unit_per_rad, const std::string& value,
+                      const EqualRange& equal) {
+  TunePlan plan;
+  plan.controller = "it";
+  plan.free = {ParseFree(free, "it")};
+  TuneResult result;
+  result.metrics = {MetricIndex("delay_ms")};
+  result.tried = {{.values = {value}, .scores = {{.mean = 7.0}}}};
+  result.verdict = result.before = result.tried.front();
+  result.equal = {equal};
+  result.controller.config.filters = {filter};
+  result.controller.config.filter_on = on;
+  result.unit_per_rad = unit_per_rad;
+  return VerdictOf(plan, result).Text();
+}
+
+TEST(TuneVerdict, HasOneValueOfOneFilterForASignalInDegrees) {
+  using enum controller::FilterOn;
+  using testing::HasSubstr;
+  controller::FilterConfig one_euro;
+  one_euro.settings = controller::OneEuroConfig{};
+  const std::string on_counts =
+      VerdictOn("filter.beta=0:1", one_euro, kCounts, 200.0, "0.01", {"0.01", "0.02"});
+  EXPECT_THAT(on_counts,
+              HasSubstr("beta is in Hz/(count/s): 0.0349 for a signal in deg, 2 in rad."));
+  const std::string on_angle =
+      VerdictOn("filter.beta=0:10", one_euro, kAngle, 1.0, "2", {"1.5", "2.5"});
+  EXPECT_THAT(on_angle, HasSubstr("beta is in Hz/(rad/s): 0.0349 for a signal in deg."));
+  controller::FilterConfig kalman;
+  kalman.settings = controller::KalmanConfig{};
+  EXPECT_THAT(VerdictOn("filter.q=1:10", kalman, kCounts, 200.0, "4", {"2", "5"}),
+              HasSubstr("q is in count^2: 0.328 for a signal in deg, 0.0001 in rad."));
+  EXPECT_THAT(VerdictOn("filter.min_cutoff_hz=1:10", one_euro, kCounts, 200.0, "4", {"2", "5"}),
+              testing::Not(HasSubstr("for a signal")));
+  controller::FilterConfig jerk;
+  jerk.settings = controller::JerkLimitConfig{};
+  EXPECT_THAT(VerdictOn("filter.max_jerk_per_s3=1:1e6", jerk, kCounts, 200.0, "2000", {"2", "5"}),
+              HasSubstr("max_jerk_per_s3 is in count/s^3: 573 for a signal in deg, 10 in rad."));
+}
+
+TEST(TuneVerdict, SaysWhereTheRangeOfTheSearchEnds) {
+  using testing::HasSubstr;
+  const auto with = [](const EqualRange& equal) {
+    return VerdictOn("filter.min_cutoff_hz=0.1:10:log", {}, controller::FilterOn::kAngle, 1.0, "4",
+                     equal);
+  };
+  EXPECT_THAT(with({"10", "10"}),
+              HasSubstr("Equivalent settings: filter.min_cutoff_hz 10 (the range ends at 10)."));
+  EXPECT_THAT(with({"0.1", "3"}), HasSubstr("0.1 to 3 (the range ends at 0.1)."));
+  EXPECT_THAT(with({"0.1", "10"}), HasSubstr("0.1 to 10 (the whole range)."));
+  EXPECT_THAT(with({"2", "3"}), HasSubstr("filter.min_cutoff_hz 2 to 3."));
 }
 
 TEST(ParseFree, RefusesWhatIsNoRange) {

@@ -82,10 +82,23 @@ std::string SweepAxis::ValueAt(double place) const {
   if (place > 0.0 && place < 1.0) {
     value =
         spacing == Spacing::kLog ? low * std::pow(high / low, place) : low + (high - low) * place;
-    if (!whole) return fmt::format("{:.6g}", value);
+    if (!whole) {
+      const std::string text = fmt::format("{:.{}g}", value, digits);
+      const double rounded = controller::ParseNumber(text).value_or(value);
+      return low <= rounded && rounded <= high ? text
+                                               : fmt::format("{}", rounded < low ? low : high);
+    }
   }
   if (whole) value = std::clamp(std::round(value), std::ceil(low), std::floor(high)) + 0.0;
   return fmt::format("{}", value);
+}
+
+int SweepAxis::FewDigits() const {
+  constexpr double kValues = 100.0;
+  const double share = spacing == Spacing::kLog
+                           ? std::log(high / low)
+                           : (high - low) / std::max(std::abs(low), std::abs(high));
+  return std::max(3, static_cast<int>(std::ceil(1.0 + std::log10(kValues / share))));
 }
 
 std::string SweepAxis::WholeProblem() const {

@@ -22,13 +22,17 @@ struct SweepAxis {
   int count = 0;  // of values of a range in a grid
   Spacing spacing = Spacing::kLinear;
   bool whole = false;  // rounded to whole numbers
+  int digits = 6;      // significant, of values of a range
 
   bool is_range() const { return values.empty(); }
   /// True if it changes only a controller, and nothing that controllers share.
   bool of_controller() const { return key.starts_with("controllers."); }
   /// The value at a place in [0, 1], both ends included: of a list the item that this place is in,
-  /// of a range with six significant digits, or the whole number of the range that is next to it.
+  /// of a range with some significant digits, or the whole number of the range that is next to it.
   std::string ValueAt(double place) const;
+
+  /// Significant digits that tell a hundred values of the range apart, three at least.
+  int FewDigits() const;
 
   /// The sentence for a range of whole numbers that has none; empty if all is well.
   std::string WholeProblem() const;

@@ -338,6 +338,7 @@ SweepAxis ParseFree(const std::string& text, const std::string& controller) {
     throw fail("LOW must be above 0 where spacing is log");
   }
   if (const std::string problem = axis.WholeProblem(); !problem.empty()) throw fail(problem);
+  axis.digits = axis.FewDigits();
   return axis;
 }
 
@@ -390,6 +391,7 @@ TuneResult SearchSettings(const TunePlan& plan, const TuneSplit& split, int jobs
                               result.verdict.motions, result.refused + 1.0);
   FindEqualRanges(plan, order, result);
   result.controller = search.ControllerWith(result.tried[result.chosen].values);
+  result.unit_per_rad = search.Input().unit_per_rad;
   return result;
 }
 

@@ -65,6 +65,7 @@ struct TuneResult {
   std::vector<std::size_t> front;
   int refused = 0;             // better ones that broke a bound on the held-out part
   NamedController controller;  // with the chosen values
+  double unit_per_rad = 1.0;   // of the input of its filter: counts, or 1 for angles
   /// The setting of `tried` that breaks the bounds least, if none keeps them.
   std::optional<std::size_t> nearest = {};
   /// Why there is no answer: then all of the above are empty but split, metrics, tried, front,

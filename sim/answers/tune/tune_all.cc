@@ -26,23 +26,6 @@ TunePlan PlanOfKind(const TunePlan& plan, std::string_view kind) {
   return of_kind;
 }
 
-/// The input of the controller's filter. Errors: UserError.
-FilterInput InputOf(const Scenario& scenario, const controller::ControllerConfig& config) {
-  const controller::Timing timing = TimingOf(scenario).controller;
-  FilterInput input;
-  input.rate_hz = config.filter_at == controller::FilterAt::kEvent ? timing.event_rate_hz()
-                                                                   : timing.sample_rate_hz();
-  if (config.filter_on == controller::FilterOn::kAngle) return input;
-  const controller::GloveCalibration glove = NominalCalibration(scenario.glove);
-  double sum = 0.0;
-  for (std::size_t c = 0; c < glove.channel_names.size(); ++c) {
-    sum += std::abs((glove.high_counts[c] - glove.low_counts[c]) /
-                    (glove.high_angle_rad[c] - glove.low_angle_rad[c]));
-  }
-  input.unit_per_rad = sum / static_cast<double>(glove.channel_names.size());
-  return input;
-}
-
 TunedKind TuneKind(const TunePlan& plan, const TuneSplit& split, std::string_view kind, int jobs,
                    const std::function<bool(double, double)>& progress) {
   TunedKind tuned{.kind = std::string(kind),

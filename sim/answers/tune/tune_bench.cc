@@ -37,6 +37,8 @@ TuneBench::TuneBench(const TunePlan& plan, std::vector<std::size_t> metrics, con
   }
 }
 
+FilterInput TuneBench::Input() const { return InputOf(study_.scenario, ControllerWith({}).config); }
+
 NamedController TuneBench::ControllerWith(const std::vector<std::string>& values) const {
   ScenarioSource source = source_;
   for (std::size_t a = 0; a < values.size(); ++a) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/answers/tune/filter_search.h"
 #include "sim/answers/tune/tune.h"
 #include "sim/study/scenario/scenario_reader.h"
 
@@ -23,6 +24,9 @@ class TuneBench {
   /// The controller with these values of plan.free; as the scenario has it if there are none.
   /// Errors: UserError if it cannot be read.
   NamedController ControllerWith(const std::vector<std::string>& values) const;
+
+  /// Input of the controller's filter.
+  FilterInput Input() const;
 
   /// One that cannot be built has that as its problem.
   TunedSetting Run(const std::vector<std::string>& values, const Progress& progress) const;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "controller/number.h"
+#include "sim/answers/tune/filter_search.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/json.h"
 #include "sim/score/statistics/result_cells.h"
@@ -89,14 +91,64 @@ ResultTable FrontTable(const TunePlan& plan, const TuneResult& result) {
   return table;
 }
 
+/// "0.003 to 0.019", and where the range of the search ends within it.
+std::string RangeText(const TunePlan& plan, const TuneResult& result, std::size_t axis) {
+  const auto& [low, high] = result.equal[axis];
+  std::string text = low == high ? low : fmt::format("{} to {}", low, high);
+  const SweepAxis& range = plan.free[axis];
+  if (!range.is_range()) return text;
+  const bool ends_low = low == range.ValueAt(0.0);
+  const bool ends_high = high == range.ValueAt(1.0);
+  if (ends_low && ends_high) return text + " (the whole range)";
+  if (ends_low || ends_high) {
+    text += fmt::format(" (the range ends at {})", ends_low ? low : high);
+  }
+  return text;
+}
+
+/// Power of the input's unit in a free setting: see PowerOfInput().
+int PowerOf(const TunePlan& plan, const TuneResult& result, std::size_t axis) {
+  const std::string key = KeyInController(plan, axis);
+  const std::vector<controller::FilterConfig>& filters = result.controller.config.filters;
+  if (!key.starts_with("filter.") || filters.size() != 1) return 0;
+  return PowerOfInput(filters.front().kind(), key.substr(key.rfind('.') + 1));
+}
+
+/// "Hz/(count/s)", "rad^2": of a setting whose value depends on the unit of the input.
+std::string UnitOf(const TunePlan& plan, std::size_t axis, int power, const std::string& input) {
+  if (power < 0) return fmt::format("Hz/({}/s)", input);
+  if (power > 1) return fmt::format("{}^{}", input, power);
+  const std::string& key = plan.free[axis].key;
+  const std::string exponent = key.substr(key.rfind("_s") + 2);
+  return fmt::format("{}/s{}{}", input, exponent.empty() ? "" : "^", exponent);
+}
+
+/// "beta is in Hz/(count/s): 0.0139 for a signal in deg, 0.797 in rad."
+std::string UnitsText(const TunePlan& plan, const TuneResult& result) {
+  const bool on_angle = result.controller.config.filter_on == controller::FilterOn::kAngle;
+  std::vector<std::string> sentences;
+  for (std::size_t a = 0; a < plan.free.size(); ++a) {
+    const int power = PowerOf(plan, result, a);
+    const auto value = controller::ParseNumber(result.tried[result.chosen].values[a]);
+    if (power == 0 || !value) continue;
+    const std::string& key = plan.free[a].key;
+    const double in_rad = *value / std::pow(result.unit_per_rad, power);
+    const double in_deg = in_rad * std::pow(kDegPerRad, power);
+    sentences.push_back(fmt::format("{} is in {}: {:.3g} for a signal in deg{}.",
+                                    key.substr(key.rfind('.') + 1),
+                                    UnitOf(plan, a, power, on_angle ? "rad" : "count"), in_deg,
+                                    on_angle ? "" : fmt::format(", {:.3g} in rad", in_rad)));
+  }
+  return fmt::format("{}", fmt::join(sentences, " "));
+}
+
 ResultTable ValuesTable(const TunePlan& plan, const TuneResult& result) {
   ResultTable table{
       .columns = {ForPeople("setting"), ForPeople("tuned"), ForPeople("equivalent range")}};
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
-    table.rows.push_back(
-        {ResultCell::Text(KeyInController(plan, a)),
-         ResultCell::Text(result.tried[result.chosen].values[a]),
-         ResultCell::Text(fmt::format("{} to {}", result.equal[a].low, result.equal[a].high))});
+    table.rows.push_back({ResultCell::Text(KeyInController(plan, a)),
+                          ResultCell::Text(result.tried[result.chosen].values[a]),
+                          ResultCell::Text(RangeText(plan, result, a))});
   }
   return table;
 }
@@ -201,6 +253,7 @@ Verdict VerdictOf(const TunePlan& plan, const TuneResult& result) {
     verdict.AddReason("answer", fmt::format("Use {} for {}: {}.", verdict.recommended,
                                             plan.controller, Listed(values)));
   }
+  verdict.AddReason("units", UnitsText(plan, result));
   if (std::isfinite(result.gain.difference.low) && !result.split.is_fixed) {
     verdict.AddReason(
         "gain", fmt::format("The {} on the held-out {} is {}: {} {} against before, paired, {} CI.",
@@ -211,8 +264,7 @@ Verdict VerdictOf(const TunePlan& plan, const TuneResult& result) {
   }
   std::vector<std::string> ranges;
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
-    ranges.push_back(fmt::format("{} {} to {}", KeyInController(plan, a), result.equal[a].low,
-                                 result.equal[a].high));
+    ranges.push_back(fmt::format("{} {}", KeyInController(plan, a), RangeText(plan, result, a)));
   }
   verdict.AddReason("equivalent", fmt::format("Equivalent settings: {}.", Listed(ranges)));
   AddDoubts(plan, result, verdict);
@@ -248,6 +300,7 @@ Verdict VerdictOf(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
                       ? "Use"
                       : fmt::format("Chosen on the fitted {}:", split.Noun()),
                   chosen.kind, settings.empty() ? "" : " with " + settings, Listed(values)));
+  verdict.AddReason("units", UnitsText(chosen.plan, chosen.result));
   if (!verdict.alternatives.empty()) {
     verdict.AddReason("equivalent", fmt::format("Equivalent in {}: {}.", ScoreName(plan.minimise),
                                                 Listed(verdict.alternatives)));
