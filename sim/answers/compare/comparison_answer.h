@@ -18,7 +18,7 @@ struct ComparisonAnswer {
   /// alternative. Where nothing is recommended, or nothing to compare it with is among them, the
   /// next in the order.
   std::vector<std::size_t> shown;
-  /// Role of each controller: "recommended", "equivalent", "less jitter", "baseline"; empty for most.
+  /// Role of each controller: "recommended", "equivalent", "less jitter", "baseline"; may be empty.
   std::vector<std::string> roles;
 };
 

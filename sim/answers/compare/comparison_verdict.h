@@ -8,8 +8,8 @@
 
 namespace gauntlet::sim {
 
-/// The answer of a comparison; Summarise() keeps it in the summary. Tracking error, delay and jitter are the primary scores; one that a
-/// controller has no value of is left out for all.
+/// The answer of a comparison; Summarise() keeps it in the summary. Tracking error, delay and
+/// jitter are the primary scores; one that a controller has no value of is left out for all.
 ///
 /// D is the smallest relevant difference. A controller is no worse than another in a score if it is
 /// judged better or equivalent, or if the difference is undecided and at most 2 D to its

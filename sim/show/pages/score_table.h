@@ -32,9 +32,9 @@ ResultText ShownText(const FinishedStudy& finished);
 void AddAnswerNotes(const FinishedStudy& finished, ResultText& text);
 
 /// The answer for a person: verdict; table of the primary scores with marks against the baseline;
-/// causes of the error; warnings. `verbose` adds the main metrics with the difference to the baseline
-/// and its confidence interval, the method, and the causes for each controller. One run has no
-/// marks, and the text says why.
+/// causes of the error; warnings. `verbose` adds the main metrics with the difference to the
+/// baseline and its confidence interval, the method, and the causes for each controller.
+/// One run has no marks, and the text says why.
 ResultText ScoreText(const FinishedStudy& finished, bool verbose);
 
 }  // namespace gauntlet::sim
