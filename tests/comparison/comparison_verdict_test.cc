@@ -299,7 +299,7 @@ TEST(ComparisonVerdict, WarnsOfAnArmThatMakesMoreThanATenthOfTheFingersJitter) {
       of_arm.count = seeds;
       share = 0.04;
     }
-    return VerdictOf(summary).Doubts();
+    return AnswerOf(summary).verdict.Doubts();
   };
   EXPECT_THAT(warned(0.08, 0.42, 1),
               testing::Contains("The arm makes 4 to 42 % of the finger jitter (first seed)."));

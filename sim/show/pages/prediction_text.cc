@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "sim/results/table_text.h"
 
@@ -24,12 +26,15 @@ std::string UsedShareText(const MeanInterval& used) {
 /// "Its gain is 54 % (50 to 58) of that of a linear predictor of each channel, and .."
 std::string UsedText(const PredictionCeiling& ceiling) {
   if (!std::isfinite(ceiling.used.mean)) return "A fitted linear predictor gains next to nothing.";
-  std::string text = "Its gain is " + UsedShareText(ceiling.used) +
-                     " of that of a linear predictor of each channel";
-  if (std::isfinite(ceiling.used_of_all.mean)) {
-    text += ", and " + UsedShareText(ceiling.used_of_all) + " of that of one of all channels";
+  const std::string of_all = UsedShareText(ceiling.used_of_all) + " of that of one of all channels";
+  const bool has_all = std::isfinite(ceiling.used_of_all.mean);
+  if (std::max(std::abs(ceiling.used.low - 1.0), std::abs(ceiling.used.high - 1.0)) < 1e-9) {
+    return "It is the linear predictor of each channel" +
+           (has_all ? ": its gain is " + of_all : std::string()) + ".";
   }
-  return text + ".";
+  return "Its gain is " + UsedShareText(ceiling.used) +
+         " of that of a linear predictor of each channel" + (has_all ? ", and " + of_all : "") +
+         ".";
 }
 
 }  // namespace
