@@ -27,8 +27,8 @@ struct Crossing {
   int branch = 0;              // of the cable
 };
 
-/// A part of a cable between pulleys of the model, or a whole one. A floating pulley divides a cable
-/// into branches that pull alike.
+/// A part of a cable between pulleys of the model, or a whole one. A floating pulley divides a
+/// cable into branches that pull alike.
 struct CableBranch {
   int parent = -1;        // branch that it goes on; -1: it begins at the drum
   double bend_rad = 0.0;  // from the drum to its end at the reference

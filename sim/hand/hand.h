@@ -56,8 +56,8 @@ class Hand {
   void ReadObjectPose(std::span<double> pose) const noexcept;
   /// Pose of the object in the frame of the palm, when the last step began.
   void ReadObjectInPalm(std::span<double> pose) const noexcept;
-  /// Velocity of the palm in the world [m/s], 3 values, when the last step began; nothing is written
-  /// where it stands still.
+  /// Velocity of the palm in the world [m/s], 3 values, when the last step began; nothing is
+  /// written where it stands still.
   void ReadPalmVelocity(std::span<double> velocity_m_s) const noexcept;
   /// True per motor while the servo is at its torque limit.
   void ReadSaturation(std::span<std::uint8_t> saturated) const noexcept;

@@ -107,8 +107,8 @@ std::pair<double, double> VolumesOf(const mjModel& model, int mesh) {
   return volume;
 }
 
-/// A note for each body whose mass the engine computes too large: it counts the volume of a mesh that
-/// is not convex more than once, unless the file has exactmeshinertia.
+/// A note for each body whose mass the engine computes too large: it counts the volume of a mesh
+/// that is not convex more than once, unless the file has exactmeshinertia.
 void NoteMeshMasses(const fs::path& path, const mjModel& model,
                     const std::function<Model()>& compile_exactly,
                     std::vector<std::string>& notes) {

@@ -29,8 +29,8 @@ struct NewerMjcfRow {
 std::span<const NewerMjcfRow> NewerMjcfRows();
 
 /// Removes or replaces what the rows name, everywhere below the root, and sets the default of newer
-/// versions for limits (autolimits). Adds a sentence to `notes` for each row that changed something.
-/// Errors: UserError with place and name for what the rows refuse.
+/// versions for limits (autolimits). Adds a sentence to `notes` for each row that changed
+/// something. Errors: UserError with place and name for what the rows refuse.
 void DropNewerMjcf(MjcfElement& root, std::vector<std::string>& notes);
 
 }  // namespace gauntlet::sim

@@ -167,8 +167,8 @@ OrcaServo::OrcaServo() {
 }
 
 // Motor and friction: Rhoban/bam, mx106, model M3: kt 2.20 V s, R 2.65 ohm, 0.0248 kg m2, friction
-// 0.113 N m and 0.11 of the load; its gain and largest duty by oscilloscope. At 15 V, as there, 12 N
-// m at stall: the arm's motors are 1.3 and 3.2 of them. ROBOTIS e-manual of MX-106: 4096 steps a
+// 0.113 N m and 0.11 of the load; its gain and largest duty by oscilloscope. At 15 V, as there, 12
+// N m at stall: the arm's motors are 1.3 and 3.2 of them. ROBOTIS e-manual of MX-106: 4096 steps a
 // turn, backlash of 20 minutes of arc.
 MxServo::MxServo() {
   resolution_bits = 12;

@@ -82,7 +82,7 @@ struct StudyResult {
   Signal first_reference_rad;  // ticks x joints of the hand
   std::vector<Trace> first_traces;
   std::vector<std::optional<NoiseFreeTwin>> first_twins;  // of these trials, where they have one
-  std::vector<CauseAngles> first_others;                 // of these trials, if causes are found
+  std::vector<CauseAngles> first_others;                  // of these trials, if causes are found
 };
 
 /// Source of the noise-free twin of the trials of a seed.

@@ -26,8 +26,7 @@ class TraceWriter {
   /// `twin`: of the same trial, as `noise_free_..` beside the signals; null if there is none.
   /// `angles`: as `without_glove_hand_angle_rad`, `without_link_loss_..` and so on,
   /// `asked_angle_rad` and `arm_at_rest_hand_angle_rad`; the first of them is that of the twin.
-  void Add(const Trace& trace, const NoiseFreeTwin* twin = nullptr,
-           const CauseAngles& angles = {});
+  void Add(const Trace& trace, const NoiseFreeTwin* twin = nullptr, const CauseAngles& angles = {});
   void Commit();
 
  private:

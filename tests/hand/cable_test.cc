@@ -238,8 +238,8 @@ TEST(SmallHandCable, BendsAreFoundInTheModel) {
   EXPECT_NEAR(cable.crossings[0].bend_rad, SmallHand::BendAtZero(), 1e-6);
 }
 
-/// Two equal fingers beside each other, whose cables come from one floating pulley. The pulley is in
-/// the palm, in front of a wrist that the cable passes once or in both branches.
+/// Two equal fingers beside each other, whose cables come from one floating pulley. The pulley is
+/// in the palm, in front of a wrist that the cable passes once or in both branches.
 std::string TwoFingersXml(bool wrist_behind_the_pulley) {
   std::string fingers;
   std::string branches;
