@@ -282,7 +282,9 @@ void ExpectCard(const Answer& answer, const std::filesystem::path& file) {
       using Tone = ScoreBoardCell::Tone;
       EXPECT_EQ(cell.tone, mark == '*' ? Tone::kBetter : mark == '!' ? Tone::kWorse : Tone::kPlain);
       EXPECT_EQ(cell.detail.empty(), mark == ' ') << cell.detail;
-      if (mark != ' ') EXPECT_TRUE(cell.detail.ends_with(": " + words.at(mark))) << cell.detail;
+      if (mark != ' ') {
+        EXPECT_TRUE(cell.detail.ends_with(": " + words.at(mark))) << cell.detail;
+      }
     }
   }
 }
@@ -420,7 +422,9 @@ TEST(OneAnswer, OfKindsOfFiltersIsInAllOutputs) {
     const Json json = Json::parse(TuneAllJson(plan, kinds));
     const bool is_recommended = !json["verdict"]["recommended"].is_null();
     ++seen[is_recommended];
-    if (is_recommended) EXPECT_EQ(json["verdict"]["recommended"], "kalman");
+    if (is_recommended) {
+      EXPECT_EQ(json["verdict"]["recommended"], "kalman");
+    }
     const std::string settings = SettingsText(plan, kinds[0].result.verdict.values);
     const std::string page = TuneAllPage(plan, kinds);
     EXPECT_EQ(Between(page, "id=\"point-name\">", "<"),
