@@ -1,4 +1,4 @@
-// Whose jitter it is: that of the fingers, or what an arm makes of its own noise.
+// Jitter of the fingers, and how much of it an arm makes.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
