@@ -71,7 +71,7 @@ Replicates ReplicatesIn(const Json& scores) {
 std::string RemarkOf(const Json& scores, const std::string& baseline) {
   const Replicates replicates = ReplicatesIn(scores);
   if (replicates.count < 2) return "One run: no confidence interval.";
-  const std::string from =
+  std::string from =
       fmt::format("{} {} {}.", replicates.are_blocks ? "Intervals from" : "Mean over",
                   replicates.count, replicates.are_blocks ? "blocks of the recording" : "seeds");
   if (baseline.empty()) return from;
