@@ -210,11 +210,5 @@ TEST(PairedEffectSize, IsTheMeanOverTheScatter) {
   EXPECT_TRUE(std::isnan(PairedEffectSize(first, first)));
 }
 
-TEST(Ranking, SharesPlacesAndLeavesOutWhatIsMissing) {
-  const std::vector<double> values{2.0, 1.0, kNaN, 2.0, 5.0};
-  EXPECT_EQ(Ranking(values, true), (std::vector<int>{2, 1, 0, 2, 4}));
-  EXPECT_EQ(Ranking(values, false), (std::vector<int>{2, 4, 0, 2, 1}));
-}
-
 }  // namespace
 }  // namespace gauntlet::sim

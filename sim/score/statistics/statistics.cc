@@ -167,15 +167,4 @@ Share EstimateShare(int hits, int count) {
   return share;
 }
 
-std::vector<int> Ranking(std::span<const double> values, bool lower_is_better) {
-  std::vector<int> places(values.size(), 0);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (std::isnan(values[i])) continue;
-    places[i] = 1 + static_cast<int>(std::count_if(values.begin(), values.end(), [&](double other) {
-                  return lower_is_better ? other < values[i] : other > values[i];
-                }));
-  }
-  return places;
-}
-
 }  // namespace gauntlet::sim

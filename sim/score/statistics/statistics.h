@@ -92,7 +92,4 @@ struct Share {
 /// `high` so many or fewer. Source: Clopper, Pearson 1934, doi 10.1093/biomet/26.4.404.
 Share EstimateShare(int hits, int count);
 
-/// Place of each value: 1 is the best, equal values share a place (1, 2, 2, 4), 0 for NaN.
-std::vector<int> Ranking(std::span<const double> values, bool lower_is_better);
-
 }  // namespace gauntlet::sim
