@@ -52,9 +52,14 @@ struct InspectOptions {
         Option("--rate", &inspection.rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
                "rows per second of a file without a time [50]"),
         ArrayOptions(inspection.array),
+        Option("--unit", &inspection.joints.unit,
+               {.choices = {"deg", "rad", "counts", "share", "percent", "volts"}},
+               "unit of the sensors [by the file]"),
+        Option("--time-unit", &inspection.time_unit, {.choices = {"s", "ms", "us", "ns"}},
+               "unit of the time [by the file]"),
         Option("--preset", &inspection.joints.preset, {.value = "NAME"},
-               "the glove whose sensors the columns are, in its order, as cyberglove22, or a "
-               "column map with numbers [by names]"),
+               "profile of the device that wrote the file, as cyberglove22: gauntlet list "
+               "profiles; or a column map with numbers of sensors [by the file]"),
         Option("--columns", &columns, {.value = "FIRST-LAST"},
                "the columns of the sensors, as 3-25 [found]"),
         Option("--hand", &inspection.joints.hand, {.choices = {"left", "right"}},
@@ -205,6 +210,7 @@ void PrintInspection(const Inspection& inspection, bool is_verbose) {
     PrintDetails(inspection);
   }
   Print("\n{}", TextOf(ColumnsTable(inspection, is_verbose), StyleOf({})));
+  if (const std::string health = HealthText(inspection); !health.empty()) Print("\n{}", health);
 }
 
 /// Errors: UserError, before anything is written, for a target that must stay.
@@ -236,6 +242,23 @@ std::pair<std::size_t, std::size_t> ColumnRange(const std::string& text) {
   return {*first, *last};
 }
 
+/// The command that compares filters on the recording; with assumed joints behind a check of them.
+std::string NextCommand(const Inspection& inspection, const std::string& given_map,
+                        const std::string& written_map) {
+  const std::string file = ShellPath(inspection.file);
+  const std::string& map = given_map.empty() ? written_map : given_map;
+  if (!map.empty()) return fmt::format("gauntlet compare {} --map {}", file, ShellPath(map));
+  const bool is_assumed = std::ranges::any_of(inspection.MappedColumns(), [&](std::size_t c) {
+    return inspection.columns[c].basis == JointBasis::kAssumed;
+  });
+  const bool is_plain = inspection.has_time && inspection.array.empty();
+  if (!is_assumed && is_plain) return fmt::format("gauntlet compare {}", file);
+  const std::string scenario =
+      ShellPath(fs::path(inspection.file).filename().replace_extension(".yaml").string());
+  return fmt::format("gauntlet inspect {} --write-scenario {}\n      gauntlet compare {}", file,
+                     scenario, scenario);
+}
+
 void RunInspect(const InspectOptions& options) {
   if (IsHandFile(options.file)) {
     InspectHand(options.file, options.scenario, options.force);
@@ -260,6 +283,9 @@ void RunInspect(const InspectOptions& options) {
     WriteStarter(map, StarterMap(inspection), options.force);
   }
   CheckQuestion(inspection, map);
+  if (options.scenario.empty() && !options.json) {
+    Print("\nNext: {}\n", NextCommand(inspection, options.inspection.map, map));
+  }
   if (!options.scenario.empty()) {
     WriteStarter(options.scenario,
                  StarterScenario(inspection, SeenFrom(options.scenario, options.file),

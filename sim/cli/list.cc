@@ -16,6 +16,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
 #include "sim/hand/hand_model.h"
+#include "sim/recordings/profile.h"
 #include "sim/score/score.h"
 #include "sim/settings/setting_rows.h"
 #include "sim/study/scenario/scenario.h"
@@ -211,6 +212,42 @@ std::vector<Entry> ScenarioKeys() {
            })}};
 }
 
+/// "names of columns, 22 columns, whole numbers, 0 to 255, text"
+std::string FactsText(const ProfileMatch& match) {
+  std::vector<std::string> facts;
+  if (!match.names.empty()) {
+    constexpr std::size_t kShown = 3;
+    facts.push_back(fmt::format(
+        "columns {}{}",
+        fmt::join(std::span(match.names).first(std::min(kShown, match.names.size())), ", "),
+        match.names.size() > kShown ? " .." : ""));
+  }
+  const auto range = [](const std::vector<double>& values) {
+    return values.front() == values.back()
+               ? fmt::format("{:g}", values.front())
+               : fmt::format("{:g} to {:g}", values.front(), values.back());
+  };
+  if (!match.columns.empty()) facts.push_back(range(match.columns) + " columns");
+  if (match.whole) facts.emplace_back("whole numbers");
+  if (!match.values.empty()) facts.push_back("values " + range(match.values));
+  if (!match.format.empty()) facts.push_back(fmt::format("{}", fmt::join(match.format, " or ")));
+  return fmt::format("{}", fmt::join(facts, ", "));
+}
+
+std::vector<Entry> Profiles() {
+  std::vector<Entry> entries;
+  for (const Profile& profile : AllProfiles({})) {
+    Entry& entry = entries.emplace_back();
+    entry.name = profile.name;
+    entry.summary = profile.device;
+    entry.facts["known_by"] = FactsText(profile.match);
+    entry.facts["source"] = profile.source;
+    entry.details = {"known by: " + FactsText(profile.match),
+                     fmt::format("source: {}", fmt::join(profile.source, ", "))};
+  }
+  return entries;
+}
+
 const std::vector<Topic>& Topics() {
   static const std::vector<Topic> kTopics = {
       {"filters", "what a controller can do with the noise", FilterEntries},
@@ -222,6 +259,7 @@ const std::vector<Topic>& Topics() {
       {"servos", "what can turn the hand's spools", [] { return EntriesOf(ServoKinds()); }},
       {"metrics", "what is measured", MetricEntries},
       {"channels", "joints of wearer and hand, and how cables couple them", Channels},
+      {"profiles", "devices and programs whose files are known", Profiles},
       {"scenarios", "ready questions", Scenarios},
       {"keys", "every key of a scenario file", ScenarioKeys},
   };

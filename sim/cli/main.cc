@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <new>
 #include <string>
 #include <string_view>
@@ -15,7 +16,9 @@
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/completion.h"
+#include "sim/cli/inspect_hand.h"
 #include "sim/cli/interrupt.h"
+#include "sim/cli/recording_scenario.h"
 #include "sim/cli/standard_streams.h"
 
 namespace {
@@ -40,6 +43,7 @@ The scores show which one to use.)";
 constexpr auto kNotes = R"(
 Example:
   gauntlet compare scenarios/door_opening.yaml --video
+  gauntlet my_glove.csv
 
 Exit codes: 0 done, 1 failed or a difference found, 2 wrong input.)";
 
@@ -71,14 +75,29 @@ std::vector<sim::Command> Commands() {
   return commands;
 }
 
+/// The words of the command line; a recording in place of a command is to be inspected.
+std::vector<char*> Words(const std::vector<sim::Command>& commands, int argc, char** argv) {
+  static char inspect[] = "inspect";
+  std::vector<char*> words(argv, argv + argc);
+  const bool is_file = argc > 1 && argv[1][0] != '-' &&
+                       std::ranges::find(commands, std::string_view(argv[1]),
+                                         &sim::Command::name) == commands.end() &&
+                       (sim::IsHandFile(argv[1]) || sim::IsRecordingFile(argv[1])) &&
+                       std::filesystem::exists(argv[1]);
+  if (is_file) words.insert(words.begin() + 1, inspect);
+  return words;
+}
+
 int Run(int argc, char** argv) {
   const std::vector<sim::Command> commands = Commands();
   if (argc > 1 && std::string_view(argv[1]) == "--complete") {  // what shells ask
     sim::PrintText(sim::Completions(commands, {argv + 2, argv + argc}));
     return 0;
   }
+  std::vector<char*> words = Words(commands, argc, argv);
   const sim::Command* command =
-      sim::ReadCommandLine({"gauntlet", kPurpose, {}, {}, kNotes}, commands, argc, argv);
+      sim::ReadCommandLine({"gauntlet", kPurpose, {}, {}, kNotes}, commands,
+                           static_cast<int>(words.size()), words.data());
   int exit_code = 0;
   try {
     if (command != nullptr) command->run();

@@ -1,6 +1,7 @@
 #include "sim/cli/recording_scenario.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -60,8 +61,9 @@ bool IsRecordingFile(const fs::path& file) {
 }
 
 std::string SeenFrom(const fs::path& from, const fs::path& file) {
-  const fs::path folder = fs::absolute(from).parent_path();
-  return fs::absolute(file).lexically_proximate(folder).generic_string();
+  // With links and `..` resolved: `a/../b` seen from elsewhere is another place.
+  const fs::path folder = fs::weakly_canonical(fs::absolute(from).parent_path());
+  return fs::weakly_canonical(fs::absolute(file)).lexically_proximate(folder).generic_string();
 }
 
 void WriteStarter(const std::string& target, const std::string& text, bool force) {
@@ -73,14 +75,18 @@ void WriteStarter(const std::string& target, const std::string& text, bool force
 void CheckQuestion(const Inspection& inspection, const std::string& map) {
   if (inspection.question.empty()) return;
   std::string way;
+  const std::vector<std::string>& profiles = inspection.profiles_to_ask_for;
+  const bool by_profile = inspection.remedy == Remedy::kPresetOrMap || !profiles.empty();
   if (inspection.remedy == Remedy::kIdentify) {
     way = fmt::format("; next: gauntlet identify {}{}", ShellPath(inspection.file),
                       PartOption(inspection));
-  } else if (AnswersByMap(inspection) && !map.empty()) {
-    way = fmt::format("; fill in {}, then --map {}", ShellPath(map), ShellPath(map));
-  } else if (AnswersByMap(inspection)) {
-    way = fmt::format("; {}--write-map MAP.csv and fill it in",
-                      inspection.remedy == Remedy::kPresetOrMap ? "--preset NAME, or " : "");
+  } else if (AnswersByMap(inspection) || by_profile) {
+    way = !profiles.empty()
+              ? fmt::format("; --preset {} if it is one, or ", fmt::join(profiles, " or "))
+          : by_profile ? std::string(map.empty() ? "; --preset NAME, or " : "; ")
+                       : std::string("; ");
+    way += map.empty() ? std::string("--write-map MAP.csv and fill it in")
+                       : fmt::format("fill in {}, then --map {}", ShellPath(map), ShellPath(map));
   }
   throw UserError({.place = inspection.file, .problem = inspection.question + way});
 }

@@ -10,12 +10,12 @@
 #include "controller/number.h"
 #include "sim/base/channels.h"
 #include "sim/base/csv_line.h"
-#include "sim/base/data_folder.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/recordings/column_scale.h"
 #include "sim/recordings/envelope.h"
 #include "sim/recordings/log_map.h"
+#include "sim/recordings/profile.h"
 #include "sim/recordings/time_guess.h"
 #include "sim/tables/time_columns.h"
 
@@ -75,11 +75,11 @@ std::string ChannelText(const ColumnMapping& mapping) {
   return std::string(KnownChannels()[mapping.channel].name);
 }
 
-/// The text table of a map file.
+/// The text table of a map.
 class MapFile {
  public:
-  explicit MapFile(const std::filesystem::path& path)
-      : csv_(path.string(), FileSource(path), ProblemHandling::kStrict) {
+  MapFile(const std::string& place, CsvReader::Source text)
+      : csv_(place, std::move(text), ProblemHandling::kStrict) {
     const std::vector<std::string>& header = csv_.header();
     for (std::size_t i = 0; i < header.size(); ++i) {
       if (std::ranges::find(kKeys, header[i]) == kKeys.end()) {
@@ -119,6 +119,17 @@ class MapFile {
   CsvReader csv_;
   std::vector<std::string> cells_;
 };
+
+/// A file, or the map of a profile: by its name where there is no such file, or by its file.
+MapFile OpenMap(const std::filesystem::path& map) {
+  std::error_code unreadable;
+  const bool is_name = !map.has_extension() && !std::filesystem::exists(map, unreadable);
+  const std::filesystem::path profile =
+      is_name ? FileOfProfile(map.filename().string()) : std::filesystem::path();
+  if (!profile.empty()) return {profile.string(), TextSource(ReadProfile(profile).map)};
+  if (map.extension() == ".yaml") return {map.string(), TextSource(ReadProfile(map).map)};
+  return {map.string(), FileSource(map)};
+}
 
 void AddTime(const MapFile& file, std::size_t column, std::vector<TimeMapping>& time) {
   const std::string unit = file.Text("unit", "s");
@@ -280,16 +291,24 @@ void AddPart(MapFile& file, std::size_t column, const std::string& role, LogMap&
                        .offset_deg = deg * mapping.offset});
 }
 
-std::size_t ColumnOf(const MapFile& map, const RecordingColumns& recording) {
+/// Treatment of rows whose column the recording does not have.
+enum class MissingColumns { kFail, kLeaveOut };
+
+std::optional<std::size_t> ColumnOf(const MapFile& map, const RecordingColumns& recording,
+                                    MissingColumns missing) {
   const std::string name = map.Text("column", "");
   const auto& header = recording.header;
-  const auto found = std::ranges::find(header, name);
-  if (!name.empty() && found != header.end()) {
-    return found - header.begin();
-  }
+  auto found = std::ranges::find(header, name);
+  if (!name.empty() && found != header.end()) return found - header.begin();
+  const auto is_same = [&name](const std::string& other) {
+    return !BareName(name).empty() && IsSameName(name, other);
+  };
+  found = std::ranges::find_if(header, is_same);
+  if (std::ranges::count_if(header, is_same) == 1) return found - header.begin();
   if (const auto number = controller::ParseWholeNumber(name, 1, recording.count)) {
     return *number - 1;
   }
+  if (missing == MissingColumns::kLeaveOut) return std::nullopt;
   map.FailAt("column", fmt::format("{} has no column {}, must be one of its names or 1 to {}",
                                    recording.name, map.Quoted(name), recording.count));
 }
@@ -297,8 +316,8 @@ std::size_t ColumnOf(const MapFile& map, const RecordingColumns& recording) {
 /// Hands each row with a channel to `add`, as (column, channel). Errors: UserError for rows that
 /// name no column.
 template <class Add>
-void ReadRows(MapFile& file, const RecordingColumns& recording, std::vector<TimeMapping>& time,
-              bool& is_confirmed, const Add& add) {
+void ReadRows(MapFile& file, const RecordingColumns& recording, MissingColumns missing,
+              std::vector<TimeMapping>& time, bool& is_confirmed, const Add& add) {
   bool any = false;
   while (file.NextRow()) {
     const std::string channel = file.Text("channel", "");
@@ -306,12 +325,12 @@ void ReadRows(MapFile& file, const RecordingColumns& recording, std::vector<Time
       is_confirmed = true;
       continue;
     }
-    const std::size_t column = ColumnOf(file, recording);
-    if (channel == "ignore") continue;
+    const std::optional<std::size_t> column = ColumnOf(file, recording, missing);
+    if (channel == "ignore" || !column) continue;
     if (channel == "time") {
-      AddTime(file, column, time);
+      AddTime(file, *column, time);
     } else {
-      add(column, channel);
+      add(*column, channel);
       any = true;
     }
   }
@@ -319,14 +338,6 @@ void ReadRows(MapFile& file, const RecordingColumns& recording, std::vector<Time
 }
 
 }  // namespace
-
-std::filesystem::path FileOfMap(const std::filesystem::path& map) {
-  std::error_code unreadable;
-  if (map.has_extension() || std::filesystem::exists(map, unreadable)) return map;
-  const std::filesystem::path preset =
-      OwnOrDataFile("scenarios/maps/" + map.filename().string() + ".csv");
-  return std::filesystem::exists(preset, unreadable) ? preset : map;
-}
 
 std::string AssumptionsOf(const ColumnMap& map) {
   if (map.is_confirmed) return "";
@@ -388,21 +399,33 @@ ColumnMap ReadColumnMap(const std::filesystem::path& path, const CsvReader& reco
       {.name = recording.name(), .header = recording.header(), .count = recording.column_count()});
 }
 
-ColumnMap ReadColumnMap(const std::filesystem::path& path, const RecordingColumns& recording) {
-  MapFile file(FileOfMap(path));
+namespace {
+
+ColumnMap ReadMap(MapFile file, const RecordingColumns& recording, MissingColumns missing) {
   ColumnMap map;
-  ReadRows(file, recording, map.time, map.is_confirmed,
+  ReadRows(file, recording, missing, map.time, map.is_confirmed,
            [&](std::size_t column, const std::string& channel) {
              AddChannel(file, column, channel, map);
            });
   return map;
 }
 
+}  // namespace
+
+ColumnMap ReadColumnMap(const std::filesystem::path& path, const RecordingColumns& recording) {
+  return ReadMap(OpenMap(path), recording, MissingColumns::kFail);
+}
+
+ColumnMap MapOfProfile(const Profile& profile, const RecordingColumns& recording) {
+  return ReadMap(MapFile(profile.name, TextSource(profile.map)), recording,
+                 MissingColumns::kLeaveOut);
+}
+
 LogMap ReadLogMap(const std::filesystem::path& path, const RecordingColumns& recording) {
-  MapFile file(FileOfMap(path));
+  MapFile file = OpenMap(path);
   LogMap map;
   bool is_confirmed = false;
-  ReadRows(file, recording, map.time, is_confirmed,
+  ReadRows(file, recording, MissingColumns::kFail, map.time, is_confirmed,
            [&](std::size_t column, const std::string& role) { AddPart(file, column, role, map); });
   return map;
 }

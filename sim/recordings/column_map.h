@@ -72,13 +72,10 @@ std::string AssumptionsOf(const ColumnMap& map);
 ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
                       std::vector<std::string>& left_out);
 
-/// The file of a map: itself, or where there is none the preset of that name.
-std::filesystem::path FileOfMap(const std::filesystem::path& map);
-
-/// From a map file, or from a preset of Gauntlet by its name (scenarios/maps/NAME.csv): a text
-/// table like a recording (see CsvReader), with a header `column,channel` and any of the other
-/// keys. docs/reference/column-maps.md has the language with examples. Columns that the map does
-/// not name are left out. Errors: UserError `map:row:column: ...`.
+/// From a map file, or from a profile by its name or file: a text table like a recording (see
+/// CsvReader), with a header `column,channel` and any of the other keys.
+/// docs/reference/column-maps.md has the language with examples. Columns that the map does not
+/// name are left out. Errors: UserError `map:row:column: ...`.
 ColumnMap ReadColumnMap(const std::filesystem::path& map, const CsvReader& recording);
 
 }  // namespace gauntlet::sim

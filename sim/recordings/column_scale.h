@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/recordings/column_map.h"
+#include "sim/recordings/profile.h"
 
 namespace gauntlet::sim {
 
@@ -43,12 +44,14 @@ std::vector<OwnCounts> OwnCountsOf(const ColumnMap& map, std::span<const Nominal
 
 /// The columns of a table, as a map names them.
 struct RecordingColumns {
-  std::string name;                 // of the file, for messages
-  std::vector<std::string> header;  // empty if the file has none
+  std::string name;                      // of the file, for messages
+  std::vector<std::string> header = {};  // empty if the file has none
   std::size_t count = 0;
 };
 
 /// Column map as for a CsvReader, of columns that are given by name.
 ColumnMap ReadColumnMap(const std::filesystem::path& map, const RecordingColumns& recording);
+/// The map of a profile, likewise; columns that the recording does not have are left out.
+ColumnMap MapOfProfile(const Profile& profile, const RecordingColumns& recording);
 
 }  // namespace gauntlet::sim

@@ -90,6 +90,9 @@ std::vector<AxisKey> AxisKeysOf(const std::string& name) {
   return keys;
 }
 
+/// True if a word of the name is x or y.
+bool IsAxisAlone(const std::string& name) { return HasWordOf(WordsOf(name), "x y"); }
+
 /// Marks columns that are components of a vector, a quaternion or of roll, pitch and yaw.
 void MarkVectors(std::span<const ColumnEvidence> columns, std::vector<NameParts>& parts) {
   std::map<std::string, std::set<char>> axes;
@@ -108,6 +111,8 @@ void MarkVectors(std::span<const ColumnEvidence> columns, std::vector<NameParts>
         parts[c].axes = "rpy";
       } else if (!is_turn && has(key, "xyz")) {
         parts[c].axes = has(key, "wxyz") ? "wxyz" : "xyz";
+      } else if (!is_turn && has(key, "xy") && IsAxisAlone(columns[c].name)) {
+        parts[c].axes = "xy";  // points of an image
       } else {
         continue;
       }
@@ -264,11 +269,17 @@ FamilyFacts FactsOf(std::span<const ColumnEvidence> columns, const std::vector<s
   FamilyFacts facts;
   facts.words = parts.stem;
   facts.axes = parts.axes == "xyz"    ? std::string_view("xyz")
+               : parts.axes == "xy"   ? std::string_view("xy")
                : parts.axes == "wxyz" ? std::string_view("wxyz")
                : parts.axes == "rpy"  ? std::string_view("rpy")
                                       : std::string_view();
   facts.names_fingers = !parts.part.empty();
   facts.names_arm = parts.is_arm;
+  facts.names_joints = std::ranges::any_of(of, [&](std::size_t c) {
+    const Words words = WordsOf(columns[c].name);
+    return std::ranges::any_of(words, [](const std::string& w) { return !JointOf(w).empty(); }) ||
+           HasWordOf(words, "position positions pos qpos joint joints");
+  });
   facts.columns = of.size();
   facts.low = facts.roughness = std::numeric_limits<double>::infinity();
   facts.high = -facts.low;

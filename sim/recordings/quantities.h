@@ -52,9 +52,10 @@ struct ColumnEvidence {
 /// Facts about the columns of a family that rules look at.
 struct FamilyFacts {
   std::vector<std::string> words;  // common to all names, without fingers, joints, axes, numbers
-  std::string_view axes;           // "xyz", "wxyz" or "rpy" of names; empty: none
+  std::string_view axes;           // "xyz", "xy", "wxyz" or "rpy" of names; empty: none
   bool names_fingers = false;      // or parts of the arm
   bool names_arm = false;
+  bool names_joints = false;  // mcp, pip .. or the position of a joint
   std::size_t columns = 0;
   std::size_t moving = 0;  // columns with more than one value
   bool is_text = false;

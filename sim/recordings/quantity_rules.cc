@@ -18,8 +18,6 @@ constexpr double kClockCorrelation = 0.9999;
 constexpr double kRoughest = 0.5;
 constexpr double kLargestNormSpread = 0.01;
 constexpr double kMostVolts = 5.3;  // a supply of 5 V and its tolerance
-constexpr double kHalfTurn_rad = 1.05 * std::numbers::pi;
-constexpr double kTurn_rad = 2.1 * std::numbers::pi;
 constexpr double kMostJoint_deg = 200.0;
 
 bool Any(const Facts&) { return true; }
@@ -47,6 +45,7 @@ bool HasUnitNorm(const Facts& facts) {
          facts.norm_spread < kLargestNormSpread && facts.norm > 0.97 && facts.norm < 1.03;
 }
 bool IsVector(const Facts& facts) { return facts.axes == "xyz"; }
+bool IsInPlane(const Facts& facts) { return facts.axes == "xy"; }
 bool SlidesByName(const Facts& facts) {
   return !facts.names_fingers &&
          HasWordOf(facts.words,
@@ -67,9 +66,11 @@ bool IsRough(const Facts& facts) {
          !HasWordOf(facts.words, "flex bend finger glove");
 }
 bool IsNotNegative(const Facts& facts) { return facts.low >= -0.01; }
-bool AreDegrees(const Facts& facts) { return facts.reach > kHalfTurn_rad || facts.is_whole; }
-bool AreRadians(const Facts& facts) { return facts.reach <= kTurn_rad; }
 bool AreShares(const Facts& facts) { return IsNotNegative(facts) && facts.high <= 1.05; }
+/// Joints of a robot within 0 and 1 may be in radians, unless they reach both ends.
+bool ReachShares(const Facts& facts) {
+  return AreShares(facts) && (!facts.names_joints || (facts.low <= 0.05 && facts.high >= 0.95));
+}
 bool ArePercent(const Facts& facts) { return IsNotNegative(facts) && facts.high <= 105.0; }
 bool HitPercents(const Facts& facts) { return facts.full_percent >= 2 && ArePercent(facts); }
 bool AreTurning(const Facts& facts) {
@@ -82,11 +83,13 @@ bool AreCounts(const Facts& facts) {
 bool AreWholeDegrees(const Facts& facts) {
   return facts.is_whole && facts.reach > 4.0 && facts.reach <= 180.0;
 }
+bool AreVolts(const Facts& facts) {
+  return !facts.names_joints && IsNotNegative(facts) && facts.high <= kMostVolts;
+}
 bool AreVoltsOfDividers(const Facts& facts) {
-  return IsNotNegative(facts) && facts.high <= kMostVolts && 2 * facts.near_zero <= facts.columns;
+  return AreVolts(facts) && 2 * facts.near_zero <= facts.columns;
 }
 bool FitHalfTurn(const Facts& facts) { return facts.reach <= std::numbers::pi; }
-bool AreVolts(const Facts& facts) { return IsNotNegative(facts) && facts.high <= kMostVolts; }
 bool FitJoints(const Facts& facts) { return facts.reach <= kMostJoint_deg; }
 
 constexpr std::string_view kDegWords = "deg degree degrees";
@@ -168,6 +171,8 @@ constexpr QuantityRule kRules[] = {
      "metres of a joint that slides, by its name", "position of JointState of ROS, gripper_m"},
     {"position", kPosition, Unit::kUnknown, false, "", IsVector, "a vector in space: x, y, z",
      "Thumb_MCP_Position_X of Manus, landmarks of MediaPipe"},
+    {"plane", kPosition, Unit::kUnknown, false, "", IsInPlane, "a point in a plane: x, y",
+     "landmarks in an image, sticks of controllers"},
     {"beyond_counts", kUnknown, Unit::kUnknown, false, "", IsBeyondCounts,
      "numbers beyond 32 bits, which no converter has", "converters have up to 24 bits"},
     {"constant", kUnknown, Unit::kUnknown, false, "", StandsAlone, "it never changes",
@@ -177,16 +182,10 @@ constexpr QuantityRule kRules[] = {
     {"rough", kUnknown, Unit::kUnknown, false, "", IsRough,
      "it changes from row to row more than a hand does", "muscle signals without a header"},
 
-    {"deg_by_name", kSensor, Unit::kDegrees, false, kDegWords, AreDegrees, "the names say degrees",
+    {"deg_by_name", kSensor, Unit::kDegrees, false, kDegWords, Any, "the names say degrees",
      "suffixes of column names"},
-    {"rad_of_names_in_deg", kSensor, Unit::kRadians, true, kDegWords, Any,
-     "the names say degrees, and no value is above half a turn in radians",
-     "exports with a wrong unit: values decide"},
-    {"rad_by_name", kSensor, Unit::kRadians, false, kRadWords, AreRadians, "the names say radians",
+    {"rad_by_name", kSensor, Unit::kRadians, false, kRadWords, Any, "the names say radians",
      "suffixes of column names"},
-    {"deg_of_names_in_rad", kSensor, Unit::kDegrees, true, kRadWords, Any,
-     "the names say radians, and values are above a turn",
-     "exports with a wrong unit: values decide"},
     {"volts_by_name", kSensor, Unit::kVolts, false, "v volt volts voltage mv", Any,
      "the names say volts", "suffixes of column names"},
     {"counts_by_name", kSensor, Unit::kCounts, false, "counts count adc raw", IsNotNegative,
@@ -205,7 +204,7 @@ constexpr QuantityRule kRules[] = {
      "curl of hand trackers in percent"},
     {"whole_degrees", kSensor, Unit::kDegrees, true, "", AreWholeDegrees,
      "whole numbers, as many as a joint has degrees", "servo and exoskeleton logs"},
-    {"share", kSensor, Unit::kShare, true, "", AreShares, "within 0 and 1",
+    {"share", kSensor, Unit::kShare, true, "", ReachShares, "within 0 and 1",
      "normalised sensors of data gloves"},
     {"divider_volts", kSensor, Unit::kVolts, true, "", AreVoltsOfDividers,
      "away from zero as a voltage divider is", "bend sensors at 3.3 or 5 V"},

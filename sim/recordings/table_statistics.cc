@@ -82,7 +82,8 @@ double UsualInterval(std::span<const double> intervals_s) {
   return means_s.empty() ? controller::kNaN : controller::MedianOf(means_s);
 }
 
-TableStatistics::TableStatistics(std::size_t columns) : columns_(columns), curvatures_(columns) {}
+TableStatistics::TableStatistics(std::size_t columns)
+    : columns_(columns), curvatures_(columns), steps_(columns) {}
 
 void TableStatistics::Look(Watch& watch, double value) {
   if (watch.good_rows == 0) {
@@ -143,10 +144,12 @@ void TableStatistics::Keep(std::span<const double> values) {
   times_s_.push_back(time_.duration_s);
   values_.insert(values_.end(), values.begin(), values.end());
   kept_curvatures_.insert(kept_curvatures_.end(), curvatures_.begin(), curvatures_.end());
+  kept_steps_.insert(kept_steps_.end(), steps_.begin(), steps_.end());
   if (times_s_.size() < kMostKept) return;
   Halve(times_s_, 1);
   Halve(values_, columns_.size());
   Halve(kept_curvatures_, columns_.size());
+  Halve(kept_steps_, columns_.size());
   every_ *= 2;
 }
 
@@ -159,8 +162,9 @@ void TableStatistics::Add(double time_s, std::span<const double> values) {
   }
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     Watch& watch = columns_[c];
-    curvatures_[c] = controller::kNaN;
+    curvatures_[c] = steps_[c] = controller::kNaN;
     if (!(std::abs(values[c]) <= kLargest)) continue;
+    if (watch.good_rows >= 1) steps_[c] = values[c] - watch.before;
     if (watch.good_rows >= 2) curvatures_[c] = values[c] - 2.0 * watch.before + watch.before_that;
     Look(watch, values[c]);
   }
@@ -201,14 +205,27 @@ ColumnStatistics TableStatistics::Column(std::size_t column) const {
     const double share = static_cast<double>(at_end) / rows;
     if (share >= kCommonShare && watch.low < watch.high) statistics.clipped_share += share;
   }
-  std::vector<double> bends;
-  for (std::size_t i = column; i < kept_curvatures_.size(); i += columns_.size()) {
-    if (std::isfinite(kept_curvatures_[i])) bends.push_back(std::abs(kept_curvatures_[i]));
-  }
+  const auto distances = [&](const std::vector<double>& kept) {
+    std::vector<double> found;
+    for (std::size_t i = column; i < kept.size(); i += columns_.size()) {
+      if (std::isfinite(kept[i])) found.push_back(std::abs(kept[i]));
+    }
+    return found;
+  };
+  const std::vector<double> changes = distances(kept_steps_);
+  const std::vector<double> bends = distances(kept_curvatures_);
+  if (!changes.empty()) statistics.change = controller::DeviationFromDistances(changes);
+  if (bends.empty()) return statistics;
   // Second differences of white noise with deviation s have the deviation s sqrt(1 + 4 + 1).
-  if (!bends.empty()) {
-    statistics.noise = controller::DeviationFromDistances(std::move(bends)) / std::sqrt(6.0);
-  }
+  const double bend = controller::DeviationFromDistances(bends);
+  statistics.noise = bend / std::sqrt(6.0);
+  constexpr double kFarInNoise = 20.0;
+  constexpr double kFarInRange = 0.1;
+  const double far = std::max({kFarInNoise * bend, kFarInNoise * statistics.step,
+                               kFarInRange * (statistics.usual_high - statistics.usual_low)});
+  statistics.spike_share =
+      static_cast<double>(std::ranges::count_if(bends, [far](double d) { return d > far; })) /
+      (3.0 * static_cast<double>(bends.size()));  // a spike bends three rows
   return statistics;
 }
 

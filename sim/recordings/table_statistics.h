@@ -16,6 +16,8 @@ struct ColumnStatistics {
   double usual_high = 0.0;
   double step = 0.0;           // smallest nonzero difference of neighbours; 0: constant
   double noise = 0.0;          // standard deviation, from second differences
+  double change = 0.0;         // standard deviation of steps from row to row
+  double spike_share = 0.0;    // rows far from both neighbours, on one side of them
   double still_share = 0.0;    // rows equal to the row before
   double clipped_share = 0.0;  // rows at the lowest or highest value, if frequent
   std::size_t longest_still_rows = 0;
@@ -78,11 +80,13 @@ class TableStatistics {
 
   std::vector<Watch> columns_;
   std::vector<double> curvatures_;  // of the newest row
+  std::vector<double> steps_;       // likewise
   std::size_t rows_ = 0;
   std::size_t every_ = 1;
   std::vector<double> times_s_;
   std::vector<double> values_;           // of the kept rows, row by row
   std::vector<double> kept_curvatures_;  // likewise
+  std::vector<double> kept_steps_;       // likewise
   std::optional<double> last_s_;
   double window_s_ = 0.0;
   int in_window_ = 0;

@@ -265,7 +265,7 @@ bool IsMoreLikeTime(const Candidate& one, const Candidate& other) {
 
 double SecondsPer(const std::string& time_unit) { return SecondsPerUnit(time_unit).value_or(1.0); }
 
-TimeGuess GuessTime(const TableLayout& layout) {
+TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
   const auto dates = DateParts(layout);
   TimeGuess of_dates = {dates, dates.size() > 1 ? "date and clock" : "dates or clocks"};
   if (!dates.empty() && Advance(dates, layout)) return of_dates;
@@ -295,13 +295,15 @@ TimeGuess GuessTime(const TableLayout& layout) {
       if (values.size() < 3 || !rises || (!by_name && steps.forward_share < kAll)) continue;
       const bool numbers_rows = steps.is_whole && values.front() < kSince1970_s &&
                                 !TimeScaleS(name) && HasWordOf(WordsOf(name), kRowNumbers);
-      if ((steps.is_count && UnitByName(name).empty()) || numbers_rows) {
+      const bool has_unit = !unit.empty() || !UnitByName(name).empty();
+      if ((steps.is_count && !has_unit) || numbers_rows) {
         if (dates.empty()) best.why = fmt::format("column {} only counts the rows", column + 1);
         continue;
       }
       const Candidate candidate = {column, values.front(), steps};
       if (!found || (!by_name && IsMoreLikeTime(candidate, *found))) found = candidate;
     }
+    if (found && !unit.empty()) return {{{found->column, unit}}, "in the unit that is given"};
     if (found) {
       return GuessOf(found->column, layout.names[found->column], found->first, found->steps.usual,
                      by_name);

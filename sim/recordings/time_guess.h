@@ -22,8 +22,9 @@ struct TimeGuess {
   bool unit_is_guessed = false;  // by the size of its steps
 };
 
-/// Guesses the time columns by their names and first rows.
-TimeGuess GuessTime(const TableLayout& layout);
+/// Guesses the time columns by their names and first rows. `unit`: of a column of numbers, if a
+/// person gave it; empty: by its name, or by its values.
+TimeGuess GuessTime(const TableLayout& layout, const std::string& unit = {});
 /// The time as a column map has it.
 TimeGuess TimeOfMap(const std::vector<TimeMapping>& time);
 /// The time of a table whose columns are known by their names: that of GuessTime(), unless it is

@@ -73,20 +73,25 @@ bool HasWordOf(const std::vector<std::string>& words, std::string_view list) {
 }
 
 std::vector<std::string> WithFingers(std::vector<std::string> names) {
-  constexpr std::string_view kLetters = "timrl";
+  constexpr std::string_view kLetters = "timrlp";  // L or P: little or pinky
   std::array<bool, kLetters.size()> found = {};
   const auto finger_of = [&](const std::string& name) {
     const std::vector<std::string> words = WordsOf(name);
-    return words.size() < 2 || words[0].size() != 1 ? kLetters.npos : kLetters.find(words[0]);
+    return words.empty() || words[0].size() != 1 ? kLetters.npos : kLetters.find(words[0]);
   };
   for (const std::string& name : names) {
     if (const std::size_t finger = finger_of(name); finger != kLetters.npos) found[finger] = true;
   }
-  if (!std::ranges::all_of(found, std::identity())) return names;
+  const bool has_little = found[kFingers.size() - 1] != found[kFingers.size()];
+  if (!has_little ||
+      !std::all_of(found.begin(), found.begin() + kFingers.size() - 1, std::identity())) {
+    return names;
+  }
   for (std::string& name : names) {
     const std::size_t finger = finger_of(name);
-    const std::size_t letter = name.find_first_of("TIMRLtimrl");
-    if (finger != kLetters.npos) name.replace(letter, 1, kFingers[finger].means);
+    const std::size_t letter = name.find_first_of("TIMRLPtimrlp");
+    if (finger == kLetters.npos) continue;
+    name.replace(letter, 1, kFingers[std::min(finger, kFingers.size() - 1)].means);
   }
   return names;
 }

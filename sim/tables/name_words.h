@@ -18,8 +18,8 @@ std::string_view MeaningOf(std::span<const Meaning> list, std::string_view word)
 /// Words of a name in lower case: `IndexPIP_deg2` is index, pip, deg, 2.
 std::vector<std::string> WordsOf(std::string_view name);
 
-/// The names with thumb, index .. in place of the first words T, I, M, R and L, as of a CyberGlove,
-/// where all five stand in front: R and L are no sides there.
+/// The names with thumb, index .. in place of the first words T, I, M, R and L or P, as of a
+/// CyberGlove, where all five stand in front: R and L are no sides there.
 std::vector<std::string> WithFingers(std::vector<std::string> names);
 
 /// True if one of `words` is in the list, which has blanks between its words.

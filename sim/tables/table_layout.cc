@@ -200,6 +200,32 @@ void CheckDecimalCommas(const std::string& name, const Line& names, const Line& 
            count, row.cells.size())});
 }
 
+/// Errors: UserError for names above the table of which there are rows, but not those of the table,
+/// which have another number of values: as where a row has one hand or two.
+void CheckWidths(const std::string& name, const std::vector<Line>& lines, std::size_t first_row,
+                 const TableLayout& layout) {
+  for (std::size_t i = 0; i < first_row; ++i) {
+    const std::size_t count = lines[i].cells.size();
+    constexpr std::size_t kFewestNames = 3;
+    const std::size_t apart = std::max(count, layout.columns) - std::min(count, layout.columns);
+    const bool are_names = lines[i].values == 0 && count >= kFewestNames &&
+                           std::ranges::none_of(lines[i].cells, [](std::string_view cell) {
+                             return Unquoted(cell).empty();
+                           });
+    if (!are_names || apart < 2) continue;
+    const auto rows = std::ranges::count_if(lines, [count](const Line& line) {
+      return line.cells.size() == count && line.values == count;
+    });
+    constexpr std::ptrdiff_t kSeldom = 50;
+    if (kSeldom * rows < std::ssize(lines)) continue;
+    throw UserError({.place = name,
+                     .problem = fmt::format(
+                         "has rows of {} and of {} values, and the header names {}; write "
+                         "the rows of each kind to a file",
+                         std::min(count, layout.columns), std::max(count, layout.columns), count)});
+  }
+}
+
 /// Finds the column names in the lines above the first row, beginning with the nearest.
 void FindNames(const std::string& file, const std::vector<Line>& lines, std::size_t first_row,
                TableLayout& layout) {
@@ -271,6 +297,7 @@ TableLayout LayoutOf(const std::string& name, const std::vector<Line>& lines) {
     if (fits(lines[i]) && in_line > 0 && 2 * in_line >= usual) rows.push_back(i);
   }
   std::size_t first_row = FirstRow(lines, rows, layout);
+  CheckWidths(name, lines, first_row, layout);
   // Rows in which most is missing yet. A line with a text is none.
   const auto is_row = [&](const Line& line) { return fits(line) && line.values == layout.columns; };
   while (first_row > 0 && is_row(lines[first_row - 1])) --first_row;

@@ -369,7 +369,8 @@ std::vector<GloveFile> TextFiles() {
   add("cyberglove_us.csv", 100, "counts", 21,
       Text({.header = "timestamp," + Numbered("s", 22)}, 100, 22, Counts(16, 100),
            [](int row) { return fmt::format("{},", 1700000000000000 + 10000L * row); }));
-  files.back().sensors = 19;  // palm arch and two abductions drive no joint
+  files.back().sensors = 0;  // as many as a CyberGlove has, but not its range: one fact
+  files.back().question = "22 sensors";
   add("ros_ns.csv", 80, "rad", 5,
       Text({.header = "time," + std::string(kFive)}, 80, 5, Radians(80),
            [](int row) { return fmt::format("{},", 1700000000000000000 + 12500000L * row); }));

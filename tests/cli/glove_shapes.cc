@@ -163,6 +163,8 @@ void AddPositionsAndAngles(Shapes& shapes) {
   AddTips(both, "{}.position.{}");
   AddEight(both, "{}_{}_raw", [](int sensor) { return Counts(sensor, 4095); });
   add(both, "deg", AddEight(both, "{}_{}_deg", Degrees), 50);
+  shapes.back().question = "index_mcp_raw and index_mcp_deg both name index_mcp";
+  shapes.back().map_answers = true;
   Table quaternions;
   quaternions.Add("timestamp_ms", Clock(10));
   for (const std::string& finger : kFingers) AddAxes(quaternions, finger + "_q", "wxyz", 0.7);
@@ -605,13 +607,27 @@ void AddNumbers(Shapes& shapes) {
   };
   const auto bytes = [](int sensor) { return Counts(sensor, 255); };
   GloveShape cyber = {"number_22", numbered(22, bytes).Text(), 100, "counts"};
-  const std::array<const char*, 22> kCyber = {"thumb_rotation",  "thumb_mcp",  "thumb_ip",
-                                              "thumb_abduction", "index_mcp",  "index_pip",
-                                              "index_dip",       "middle_mcp", "middle_pip",
-                                              "middle_dip",      "",           "ring_mcp",
-                                              "ring_pip",        "ring_dip",   "",
-                                              "little_mcp",      "little_pip", "little_dip",
-                                              "finger_spread",   "",           "wrist_flexion",
+  const std::array<const char*, 22> kCyber = {"thumb_rotation",
+                                              "thumb_mcp",
+                                              "thumb_ip",
+                                              "thumb_abduction",
+                                              "index_mcp",
+                                              "index_pip",
+                                              "index_dip",
+                                              "middle_mcp",
+                                              "middle_pip",
+                                              "middle_dip",
+                                              "finger_spread",
+                                              "ring_mcp",
+                                              "ring_pip",
+                                              "ring_dip",
+                                              "",
+                                              "little_mcp",
+                                              "little_pip",
+                                              "little_dip",
+                                              "",
+                                              "",
+                                              "wrist_flexion",
                                               "wrist_deviation"};
   for (int i = 0; i < 22; ++i) {
     if (*kCyber[i] != '\0') cyber.joints[fmt::format("s{}", i + 1)] = kCyber[i];
@@ -658,13 +674,11 @@ void AddRising(Shapes& shapes) {
           "temp,index_mcp,index_pip\n",
           [](int row) { return fmt::format("{:.1f},", 30 + 0.1 * row); }, AngleDeg),
       50, two);
-  Joints three = two;
-  three["middle_mcp"] = "middle_mcp";
-  add("rises_joint",
+  ask("rises_joint",
       TwoJoints(
           "time,middle_mcp,index_mcp,index_pip\n",
           [](int row) { return fmt::format("{},{:.4f},", row, 0.6256 * row); }, AngleDeg),
-      50, three);
+      "rises by 1: milliseconds, or numbers of rows?");
   add("padded", TwoJoints("Subject,1,\nTrial,3,\n,,\ntime,index_pip,index_mcp\n", time, AngleDeg),
       100, two);
   ask("two_units",

@@ -283,7 +283,7 @@ TEST_F(InspectCommand, TakesTheJointsOfAFilledInMap) {
       Gauntlet({"run", in("s.yaml"), "--controllers", "raw", "--out", in("o")});
   EXPECT_EQ(run.exit_code, 0) << run.standard_error;
   EXPECT_THAT(run.standard_output, HasSubstr("1 of 18 joints"));
-  EXPECT_THAT(run.standard_output, HasSubstr("assumed: range of index_pip"));
+  EXPECT_THAT(run.standard_output, HasSubstr("assumed: sign and range of index_pip"));
 }
 
 TEST_F(InspectCommand, AnswersInItsFirstLineWithin80Columns) {
@@ -300,7 +300,10 @@ TEST_F(InspectCommand, AnswersInItsFirstLineWithin80Columns) {
   const std::string brief = Gauntlet({"inspect", file.string()}).standard_output;
   EXPECT_THAT(brief, testing::StartsWith("5 sensors, 50 Hz, counts: 1 dead (index_pip)\n"));
   std::istringstream lines(brief);
-  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("Next: ")) continue;  // a command is not cut
+    EXPECT_LE(line.size(), 80U) << line;
+  }
   EXPECT_THAT(brief, Not(HasSubstr("flex5, which has as many sensors")));
   EXPECT_THAT(Gauntlet({"inspect", file.string(), "--verbose"}).standard_output,
               HasSubstr("whole numbers from 300 to 700"));

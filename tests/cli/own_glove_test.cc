@@ -212,7 +212,7 @@ TEST_F(OwnGlove, BothRoutesToItsCalibrationAgree) {
 TEST_F(OwnGlove, AssumptionsAndSimulatedGlovesAreWarnedOf) {
   Run({"run", "my.yaml", "--controllers", "raw", "--causes", "none", "--out", "out"});
   EXPECT_THAT(Run({"export", "out", "--controller", "raw"}).standard_error,
-              HasSubstr("warning: the column map assumes joint range of thumb_ip, index_pip"));
+              HasSubstr("warning: the column map assumes joint sign range of thumb_ip, index_pip"));
   EXPECT_THAT(Read("out/raw.robot.yaml"), testing::StartsWith("# warning: the column map assumes"));
   std::string map = Read("my.map.csv");
   for (std::size_t place = 0; (place = map.find(",counts,", place)) != std::string::npos;) {

@@ -36,6 +36,27 @@ std::vector<std::string> ChannelsOf(const std::vector<std::string>& names, std::
   return channels;
 }
 
+TEST(ReadJointName, TakesTheGrammarAndNamesOtherWords) {
+  const std::pair<const char*, const char*> names[] = {
+      {"index_mcp", ""},           {"R_Index_MCP_Flex [deg]", ""},
+      {"leftThumbIPAngle", ""},    {"wrist_flexion_rad", ""},
+      {"index middle", ""},        {".ring_2", ""},
+      {"emg_thumb", "emg"},        {"Pinch_ThumbToIndex", "pinch to pair"},
+      {"manus.index_mcp", "manus"}};
+  for (const auto& [name, other] : names) {
+    EXPECT_TRUE(ReadJointName(name).is_joint) << name;
+    EXPECT_EQ(ReadJointName(name).other, other) << name;
+  }
+  EXPECT_EQ(ReadJointName("R_Index_MCP_Flex").side, "right");
+  EXPECT_FALSE(ReadJointName("temperature_2").is_joint);
+}
+
+TEST(JointsByNames, TakeSensorsOfAFingerByTheirNumbers) {
+  std::string question;
+  EXPECT_THAT(ChannelsOf({"thumb_2", "thumb_1", "index_2", "index_1"}, question),
+              ElementsAre("thumb_ip", "thumb_mcp", "index_pip", "index_mcp"));
+}
+
 TEST(JointsByNames, ShareAFingersSensorsOut) {
   std::string question;
   EXPECT_THAT(

@@ -10,6 +10,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/base/signal.h"
+#include "sim/recordings/profile.h"
 #include "sim/recordings/recording_reader.h"
 #include "sim/tables/time_text.h"
 #include "tests/support/program.h"
@@ -184,9 +185,10 @@ TEST_F(ColumnMaps, SayWhatIsWrongInOneLine) {
               HasSubstr("must be one of: s, ms, us, ns, ticks, min, h, day, date"));
 }
 
-TEST_F(ColumnMaps, OfEveryPresetFitAGloveOfItsSensors) {
+TEST_F(ColumnMaps, OfProfilesWithoutNamesFitAGloveOfTheirSensors) {
   int presets = 0;
   for (const auto& file : std::filesystem::directory_iterator(SourceDir() + "/scenarios/maps")) {
+    if (!ReadProfile(file.path()).match.names.empty()) continue;
     std::string row;
     for (int i = 0; i < 30; ++i) row += i > 0 ? ",1" : "1";
     RecordingFormat format = At100Hz();
@@ -197,7 +199,7 @@ TEST_F(ColumnMaps, OfEveryPresetFitAGloveOfItsSensors) {
     EXPECT_GE(std::count(has.begin(), has.end(), true), 5) << file.path();
     ++presets;
   }
-  EXPECT_EQ(presets, 8);
+  EXPECT_GE(presets, 8);
 }
 
 TEST_F(ColumnMaps, GiveTheThumbItsColumnBesideNumbersOfRows) {

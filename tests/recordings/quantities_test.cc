@@ -117,14 +117,14 @@ std::vector<RuleRow> RulesOfRows() {
       {"distance", Fingers("_distance_mm", Between(0, 90)), Fingers("_bend", Between(0, 90))},
       {"metres", {{"finger_joint1_m", Between(0, 0.04)}}, {{"sensor_m", Between(0, 0.04)}}},
       {"position", Axes("thumb_tip_", "xyz"), {{"thumb_tip", Between(-9, 19)}}},
+      {"plane", Axes("tip_", "xy"), Axes("tip_", "xyz")},
       {"beyond_counts", {{"", Between(-1e12, 1e12)}}, {{"", Between(-1e3, 1e3)}}},
       {"constant", {{"flex_gain", Fixed(2)}}, {{"flex_gain", Between(0, 2)}}},
       {"foreign_name", {{"humidity", Between(0, 90)}}, {{"bend", Between(0, 90)}}},
       {"rough", {{"", Noise}}, {{"", Between(-0.5, 0.5)}}},
-      {"deg_by_name", {{"angle_deg", Between(0, 90)}}, {{"angle_deg", Between(0, 1.5)}}},
-      {"rad_of_names_in_deg", {{"angle_deg", Between(0, 1.5)}}, {{"angle_deg", Between(0, 90)}}},
-      {"rad_by_name", {{"angle_rad", Between(0, 1.5)}}, {{"angle_rad", Between(0, 90)}}},
-      {"deg_of_names_in_rad", {{"angle_rad", Between(0, 90)}}, {{"angle_rad", Between(0, 1.5)}}},
+      // Values never override a name.
+      {"deg_by_name", {{"angle_deg", Between(0, 1.5)}}, {{"angle", Between(0, 90)}}},
+      {"rad_by_name", {{"angle_rad", Between(0, 90)}}, {{"angle", Between(0, 1.5)}}},
       {"volts_by_name", {{"flex_v", Between(0, 3)}}, {{"flex", Between(0, 3)}}},
       {"counts_by_name", {{"flex_adc", Between(10, 90, 1)}}, {{"flex", Between(10, 90, 1)}}},
       {"share_by_name", {{"ch_norm", Between(0, 1)}}, {{"ch", Between(0, 1)}}},
@@ -138,16 +138,19 @@ std::vector<RuleRow> RulesOfRows() {
        {{"a1", Between(0, 99)}, {"a2", Between(0, 99)}}},
       {"whole_degrees", {{"", Between(0, 90, 1)}}, {{"", Between(0, 90)}}},
       {"share", {{"", Between(0.1, 0.9)}}, {{"", Between(0.1, 1.3)}}},
+      {"share", Fingers("_mcp", Between(0, 1)), Fingers("_mcp", Between(0.1, 0.9))},
       {"divider_volts", {{"", Between(1.2, 2.8)}}, {{"", Between(0.0, 2.8)}}},
       {"radians", {{"", Between(-0.4, 1.5)}}, {{"", Between(-0.4, 4)}}},
       {"volts", {{"", Between(0, 4.5)}}, {{"", Between(0, 45)}}},
+      {"volts", Fingers("", Between(0, 4.5)),
+       Fingers("_pip", Between(0, 4.5))},  // no joint is in V
       {"degrees", {{"", Between(-10, 95)}}, {{"", Between(-10, 950)}}},
       {"large_counts", {{"", Between(0, 950.5)}}, {{"", Between(0, 95.5)}}},
   };
 }
 
 TEST(QuantityRules, DecideFamiliesOfTheirOwnAndNoOthers) {
-  std::multiset<std::string> tested = {"text", "empty"};
+  std::set<std::string> tested = {"text", "empty"};
   for (const auto& [rule, columns, otherwise] : RulesOfRows()) {
     tested.insert(rule);
     const auto families = FamiliesOf(columns);

@@ -18,7 +18,9 @@
 #include "sim/recordings/column_map.h"
 #include "sim/recordings/column_scale.h"
 #include "sim/recordings/envelope.h"
+#include "sim/recordings/inspect/health.h"
 #include "sim/recordings/inspect/row_groups.h"
+#include "sim/recordings/profile.h"
 #include "sim/recordings/table_source.h"
 #include "sim/recordings/time_guess.h"
 #include "sim/tables/csv_reader.h"
@@ -179,6 +181,27 @@ std::optional<ColumnMap> MapOf(const Inspection& inspection, const std::string& 
                              .count = inspection.layout.columns});
 }
 
+/// The time of the profile that a person names, or whose names the table has; else a guess.
+TimeGuess TimeOf(const TableLayout& layout, const std::vector<Profile>& profiles,
+                 const InspectionOptions& options) {
+  for (const Profile& profile : profiles) {
+    const std::vector<std::string>& names = profile.match.names;
+    const bool has_names = !names.empty() && std::ranges::all_of(names, [&](const auto& name) {
+      return std::ranges::any_of(
+          layout.names, [&name](const std::string& other) { return IsSameName(name, other); });
+    });
+    const std::string& preset = options.joints.preset;
+    if (!has_names || (!preset.empty() && preset != profile.name)) continue;
+    const ColumnMap map = MapOfProfile(
+        profile, {.name = "the table", .header = layout.names, .count = layout.columns});
+    if (map.time.empty()) continue;
+    TimeGuess time = TimeOfMap(map.time);
+    time.why = "by the profile " + profile.name;
+    return time;
+  }
+  return GuessTime(layout, options.time_unit);
+}
+
 /// Takes over the guessed time columns if their time advances from row to row.
 void SetTime(const TimeGuess& guess, const TimeStatistics& time, double given_rate_hz,
              Inspection& inspection) {
@@ -199,6 +222,35 @@ void SetTime(const TimeGuess& guess, const TimeStatistics& time, double given_ra
   inspection.time = time;
   for (const TimePart& part : guess.parts) {
     inspection.columns.at(part.column).time_unit = part.unit;
+  }
+}
+
+/// What profiles call the format.
+std::string FormatOfProfile(FileFormat format) {
+  using enum FileFormat;
+  switch (format) {
+    case kText:
+    case kUtf16:
+      return "text";
+    case kJson:
+      return "json";
+    case kMat:
+      return "mat";
+    case kHdf5:
+      return "hdf5";
+    case kNpy:
+    case kNpz:
+      return "npy";
+    case kParquet:
+      return "parquet";
+    case kMcap:
+      return "mcap";
+    case kSqlite:
+      return "bag";
+    case kRosEcho:
+      return "echo";
+    default:
+      return "other";
   }
 }
 
@@ -243,12 +295,14 @@ std::vector<ColumnFamily> GivenFamily(const std::vector<ColumnEvidence>& evidenc
   return {FamilyOfSensors(evidence, columns)};
 }
 
-/// True for a sensor that hardly ever leaves one value, or seldom and not far.
-bool IsDead(const ColumnStatistics& is, double widest) {
+/// True for a sensor that carries nothing: it hardly ever leaves one value, or seldom and not far,
+/// or has only noise.
+bool IsDead(const InspectedColumn& column, double widest) {
+  const ColumnStatistics& is = column.statistics;
   constexpr double kAlways = 0.99;
   constexpr double kMostly = 0.95;
   constexpr double kNarrow = 0.5;  // of the widest range of a sensor
-  return is.commonest_share >= kAlways ||
+  return is.commonest_share >= kAlways || IsOnlyNoise(column) ||
          (is.commonest_share >= kMostly && is.high - is.low < kNarrow * widest);
 }
 
@@ -321,21 +375,24 @@ void SetJoints(const std::vector<ColumnFamily>& families, const JointChoice& cho
     InspectedColumn& column = inspection.columns[choice.columns[i]];
     const ColumnJoint& joint = choice.joints[i];
     column.is_sensor = true;
-    column.is_dead = IsDead(column.statistics, widest);
+    if (!choice.mappings.empty()) column.mappings = choice.mappings[i];
+    column.is_dead = IsDead(column, widest);
     column.channel = joint.channel;
     column.basis = joint.basis;
     column.why = joint.why.empty() ? "its joint is unknown" : joint.why;
-    if (column.is_dead) {
-      column.why = fmt::format("dead: {:g} in {:.3g} % of the rows", column.statistics.low,
-                               100.0 * column.statistics.commonest_share);
-    }
   }
   inspection.unit = choice.columns.empty() ? RawUnit::kUnknown : choice.unit;
   inspection.unit_is_assumed = choice.unit_is_assumed;
   inspection.unit_why = choice.unit_why;
   inspection.unit_high = choice.high;
+  inspection.profile = choice.profile;
+  inspection.profiles_to_ask_for = choice.profiles_to_ask_for;
   if (inspection.unit == RawUnit::kCounts) inspection.bits = BitsFor(choice.high);
   inspection.question = choice.question;
+  for (const HealthFinding& finding : HealthOf(inspection)) {
+    InspectedColumn& column = inspection.columns[finding.column];
+    if (column.is_dead) column.why = finding.sentence;
+  }
   inspection.remedy = choice.is_command_log    ? Remedy::kIdentify
                       : choice.columns.empty() ? Remedy::kInSentence
                                                : Remedy::kPresetOrMap;
@@ -349,10 +406,16 @@ bool HasAngles(const Inspection& inspection) {
   return inspection.unit == RawUnit::kDegrees || inspection.unit == RawUnit::kRadians;
 }
 
+/// True if a map or a profile says what the values are.
+bool HasMappings(const Inspection& inspection) {
+  return std::ranges::any_of(
+      inspection.columns, [](const InspectedColumn& column) { return !column.mappings.empty(); });
+}
+
 /// One sign for all joints that bend mainly to the positive side: that of most of them. Angles of
 /// a joint that are nearly all negative fall while it bends.
 void GuessSign(Inspection& inspection) {
-  if (!HasAngles(inspection)) return;
+  if (!HasAngles(inspection) || HasMappings(inspection)) return;
   std::vector<std::size_t> flexions;
   std::size_t falling = 0, rising = 0;
   for (const std::size_t c : inspection.MappedColumns()) {
@@ -373,7 +436,7 @@ void GuessSign(Inspection& inspection) {
 
 /// Angles that jump by 360 from row to row go on without the jump, in the range of the joint.
 void UnwrapTurns(Inspection& inspection) {
-  if (inspection.unit != RawUnit::kDegrees) return;
+  if (inspection.unit != RawUnit::kDegrees || HasMappings(inspection)) return;
   constexpr double kTurn_deg = 360.0;
   for (const std::size_t c : inspection.MappedColumns()) {
     InspectedColumn& column = inspection.columns[c];
@@ -402,12 +465,18 @@ double ShareBeyond(const Inspection& inspection, std::size_t c, double margin) {
   const InspectedColumn& column = inspection.columns[c];
   const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
   const double reach_deg = margin * (joint.max_deg - joint.min_deg) + 0.1;
-  const double factor = DegPerUnit(inspection) * (column.is_inverted ? -1.0 : 1.0);
+  double factor = DegPerUnit(inspection) * (column.is_inverted ? -1.0 : 1.0);
+  double offset_deg = 0.0;
+  if (!column.mappings.empty()) {
+    const ColumnScale scale = ScaleOf(column.mappings.front(), {});
+    factor = scale.factor * kDegPerRad;
+    offset_deg = scale.offset_rad * kDegPerRad;
+  }
   double beyond = 0.0, all = 0.0;
   for (const double value : inspection.picture_values[c]) {
     if (!std::isfinite(value)) continue;
     all += 1.0;
-    const double deg = factor * value;
+    const double deg = factor * value + offset_deg;
     beyond += deg < joint.min_deg - reach_deg || deg > joint.max_deg + reach_deg ? 1.0 : 0.0;
   }
   return all > 0.0 ? beyond / all : 0.0;
@@ -469,7 +538,11 @@ struct Question {
 /// A question if rows of several hands, devices or sessions are in one table.
 Question GroupQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
                        bool has_map) {
-  const std::vector<std::size_t> joints = inspection.MappedColumns();
+  std::vector<std::size_t> joints;
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    // Rows of two hands look like noise.
+    if (!inspection.columns[c].channel.empty()) joints.push_back(c);
+  }
   for (const RowGroups& group : groups) {
     const std::string& name = inspection.columns[group.column()].name;
     const std::string column = fmt::format("column {} '{}'", group.column() + 1, OneLine(name, 20));
@@ -496,6 +569,23 @@ std::string FallingTimeQuestion(const Inspection& inspection) {
     if (TimeScaleS(column.name) && column.statistics.falling_share > kNearlyAlways) {
       return fmt::format("the time (column {}) falls from row to row; sort the rows by it", c + 1);
     }
+  }
+  return "";
+}
+
+/// A sentence if a column of time only counts the rows, in no unit that is known.
+std::string CountingTimeQuestion(const Inspection& inspection) {
+  for (std::size_t c = 0; !inspection.rate_is_known && c < inspection.columns.size(); ++c) {
+    const InspectedColumn& column = inspection.columns[c];
+    constexpr double kNearlyAll = 0.95;
+    const bool counts =
+        column.kind == CellKind::kNumber &&
+        column.statistics.counting_share - column.statistics.still_share > kNearlyAll;
+    if (inspection.has_time || !TimeScaleS(column.name) || !counts) continue;
+    return fmt::format(
+        "column {} '{}' rises by 1: milliseconds, or numbers of rows? --time-unit ms, or the rate "
+        "of the rows by --rate HZ",
+        c + 1, OneLine(column.name, 20));
   }
   return "";
 }
@@ -666,8 +756,10 @@ Question StopQuestion(const Inspection& inspection, const std::vector<RowGroups>
                 rate_hz),
             Remedy::kMap};
   }
-  if (inspection.MappedColumns().empty()) return {"no sensor of the hand changes its value"};
   Question question = GroupQuestion(inspection, groups, has_map);
+  if (question.sentence.empty() && inspection.MappedColumns().empty()) {
+    question = {"no sensor of the hand changes its value by more than its noise"};
+  }
   if (question.sentence.empty()) question = {TablesQuestion(inspection)};
   if (question.sentence.empty()) question = {RowsQuestion(inspection)};
   if (question.sentence.empty()) question = {TimeQuestion(inspection)};
@@ -678,6 +770,7 @@ Question StopQuestion(const Inspection& inspection, const std::vector<RowGroups>
   if (question.sentence.empty()) question = {OwnClocksQuestion(inspection), Remedy::kMap};
   if (question.sentence.empty()) question = {FallingTimeQuestion(inspection)};
   if (question.sentence.empty()) question = {TextTimeQuestion(inspection)};
+  if (question.sentence.empty()) question = {CountingTimeQuestion(inspection)};
   if (question.sentence.empty()) question = {ClockQuestion(inspection), Remedy::kMap};
   if (question.sentence.empty()) question = {RangeQuestion(inspection), Remedy::kPresetOrMap};
   return question;
@@ -697,34 +790,22 @@ void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
   }
 }
 
-/// The unit of angles that the header of the file gives decides, unless the names say another. If
-/// the file only has to have one (`angle`), the size of the values decides.
-void UseUnitOfFile(const std::string& unit, std::vector<ColumnFamily>& families) {
-  constexpr double kTurn_rad = 6.6;
-  for (ColumnFamily& family : families) {
-    if (unit.empty() || family.quantity != Quantity::kSensor || family.rule.ends_with("_by_name") ||
-        HasWordOf(family.facts.words, "activation excitation")) {
-      continue;
-    }
-    family.is_assumed = unit == "angle";
-    const bool is_rad = family.is_assumed ? family.facts.reach < kTurn_rad : unit == "rad";
-    family.unit = is_rad ? RawUnit::kRadians : RawUnit::kDegrees;
-    family.why = family.is_assumed ? "angles whose unit the header of the file does not say"
-                                   : "by the header of the file";
-  }
-}
-
 void FindJoints(const TableStatistics& statistics, const std::vector<RowGroups>& groups,
                 const InspectionOptions& options, const std::optional<ColumnMap>& map,
-                const std::string& angle_unit, Inspection& inspection) {
+                const std::string& angle_unit, const std::vector<Profile>& profiles,
+                Inspection& inspection) {
   const std::vector<ColumnEvidence> evidence = EvidenceOf(inspection, statistics);
   try {
-    std::vector<ColumnFamily> families =
+    const std::vector<ColumnFamily> families =
         options.columns ? GivenFamily(evidence, options.columns->first, options.columns->second)
                         : FindFamilies(evidence, inspection.has_time ? statistics.kept_times_s()
                                                                      : std::vector<double>());
-    UseUnitOfFile(angle_unit, families);
-    SetJoints(families, ChooseJoints(families, inspection.layout.names, options.joints, map),
+    SetJoints(families,
+              ChooseJoints({.columns = evidence,
+                            .families = families,
+                            .angle_unit = angle_unit,
+                            .format = FormatOfProfile(inspection.format)},
+                           options.joints, map, profiles),
               inspection);
   } catch (const UserError& error) {
     if (!error.place().empty()) throw;
@@ -757,6 +838,10 @@ std::vector<std::size_t> Inspection::Sensors() const {
   return sensors;
 }
 
+double LowDegOf(const Channel& joint) {
+  return joint.name.ends_with("_mcp") ? std::max(joint.min_deg, 0.0) : joint.min_deg;
+}
+
 Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& options) {
   Inspection inspection;
   inspection.file = file.string();
@@ -783,7 +868,9 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
     inspection.columns[c].kind = KindOf(inspection.layout, c);
   }
   const std::optional<ColumnMap> map = MapOf(inspection, options.map);
-  const TimeGuess time = map ? TimeOfMap(map->time) : GuessTime(inspection.layout);
+  const std::vector<Profile> profiles =
+      map ? std::vector<Profile>() : AllProfiles(std::filesystem::absolute(file));
+  const TimeGuess time = map ? TimeOfMap(map->time) : TimeOf(inspection.layout, profiles, options);
   std::vector<RowGroups> groups = GroupsToWatch(inspection);
   const TableStatistics statistics = ReadTable(time, inspection.columns, reader, groups);
   inspection.is_whole = *is_whole;
@@ -799,7 +886,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
           inspection);
   if (time.unit_is_guessed) inspection.noted_rate_hz = noted_rate_hz;
   KeepPicture(statistics, inspection);
-  FindJoints(statistics, groups, options, map, reader.angle_unit(), inspection);
+  FindJoints(statistics, groups, options, map, reader.angle_unit(), profiles, inspection);
   ComputeEnvelopeStatistics(file, std::move(*opened.table), time, inspection);
   return inspection;
 }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/base/channels.h"
 #include "sim/recordings/inspect/joint_choice.h"
 #include "sim/recordings/quantities.h"
 #include "sim/recordings/table_statistics.h"
@@ -37,7 +38,8 @@ struct InspectedColumn {
   double turned_deg = 0.0;   // added to angles that jump by 360, to be in the joint's range
   bool is_turning = false;   // jumps by 360
   double envelope_ms = 0.0;  // of a muscle: `statistics` are those of its Envelope; 0: its values
-  std::string why;           // reason for the channel, or for ignoring the column
+  std::vector<ColumnMapping> mappings = {};  // of a map or a profile; empty: by the unit
+  std::string why;                           // reason for the channel, or for ignoring the column
 };
 
 /// Answer to the question of an Inspection.
@@ -71,8 +73,10 @@ struct Inspection {
   RawUnit unit = RawUnit::kUnknown;
   bool unit_is_assumed = false;
   bool sign_is_assumed = false;
-  double unit_high = 0.0;  // highest usual value of the sensors
-  int bits = 0;            // for counts
+  std::string profile = {};  // that the columns are of, by name; empty: none
+  std::vector<std::string> profiles_to_ask_for = {};  // that they may be of
+  double unit_high = 0.0;                             // highest usual value of the sensors
+  int bits = 0;                                       // for counts
   std::string unit_why;
   std::string question;                 // that stops the work until it is answered; empty: none
   Remedy remedy = Remedy::kInSentence;  // of the question
@@ -87,13 +91,17 @@ struct Inspection {
 };
 
 struct InspectionOptions {
-  double rate_hz = 0.0;  // of a file without time, if known; 0: unknown
-  std::string array;     // of a file with arrays, see ListArrays(), or a topic; empty: by size
-  std::string map;       // column map that names time and joints; empty: none
+  double rate_hz = 0.0;   // of a file without time, if known; 0: unknown
+  std::string array;      // of a file with arrays, see ListArrays(), or a topic; empty: by size
+  std::string map;        // column map that names time and joints; empty: none
+  std::string time_unit;  // of the column that names the time: s, ms, us or ns; empty: found
   JointOptions joints = {};
   // First and last column of the sensors, from 1; empty: found.
   std::optional<std::pair<std::size_t, std::size_t>> columns = std::nullopt;
 };
+
+/// Lower end of the joint's range that a hand uses [deg]: few people bend a knuckle back by 45 deg.
+double LowDegOf(const Channel& joint);
 
 /// Errors: UserError in one line if the file has no readable table.
 Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& options);

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <utility>
 
 #include "sim/base/json.h"
 #include "sim/base/text.h"
+#include "sim/recordings/inspect/health.h"
 
 namespace gauntlet::sim {
 
@@ -15,7 +18,7 @@ namespace {
 bool IsMapped(const InspectedColumn& column) { return !column.channel.empty() && !column.is_dead; }
 
 std::string_view NameOf(JointBasis basis) {
-  constexpr std::array<std::string_view, 4> kNames = {"name", "preset", "map", "assumed"};
+  constexpr std::array<std::string_view, 4> kNames = {"name", "profile", "map", "assumed"};
   return kNames[static_cast<std::size_t>(basis)];
 }
 
@@ -72,10 +75,11 @@ std::string Counted(std::size_t count, std::string_view noun) {
 
 std::string BasisText(const Inspection& inspection) {
   std::string text;
-  constexpr std::pair<JointBasis, std::string_view> kTexts[] = {{JointBasis::kName, "by name"},
-                                                                {JointBasis::kPreset, "by preset"},
-                                                                {JointBasis::kMap, "by map"},
-                                                                {JointBasis::kAssumed, "assumed"}};
+  constexpr std::pair<JointBasis, std::string_view> kTexts[] = {
+      {JointBasis::kName, "by name"},
+      {JointBasis::kProfile, "by profile"},
+      {JointBasis::kMap, "by map"},
+      {JointBasis::kAssumed, "assumed"}};
   for (const auto& [basis, name] : kTexts) {
     std::size_t joints = 0;
     for (const std::size_t c : inspection.MappedColumns()) {
@@ -84,6 +88,7 @@ std::string BasisText(const Inspection& inspection) {
     if (joints == 0) continue;
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", joints, name);
   }
+  if (!inspection.profile.empty()) text += ", " + inspection.profile;
   return text.empty() ? "none" : text;
 }
 
@@ -95,16 +100,65 @@ std::string SummaryOf(const Inspection& inspection) {
   if (sensors.empty()) return text;
   text += fmt::format(", {}{}", NameOf(inspection.unit),
                       inspection.unit_is_assumed ? " (assumed)" : "");
-  std::size_t dead = 0;
-  std::string names;
-  for (const std::size_t c : sensors) {
-    const InspectedColumn& column = inspection.columns[c];
-    if (!column.is_dead) continue;
-    ++dead;
-    const std::string name = column.channel.empty() ? OneLine(column.name, 20) : column.channel;
-    names += (names.empty() ? "" : ", ") + (name.empty() ? fmt::format("column {}", c + 1) : name);
+  const auto named = [&](const char* key) {
+    std::string names;
+    std::size_t count = 0;
+    for (const HealthFinding& finding : HealthOf(inspection)) {
+      if (finding.key != key) continue;
+      const InspectedColumn& column = inspection.columns[finding.column];
+      const std::string name = column.channel.empty() ? OneLine(column.name, 20) : column.channel;
+      names += (names.empty() ? "" : ", ") +
+               (name.empty() ? fmt::format("column {}", finding.column + 1) : name);
+      ++count;
+    }
+    return std::pair(count, names);
+  };
+  if (const auto [dead, names] = named("dead"); dead > 0) {
+    text += fmt::format(": {} dead ({})", dead, names);
   }
-  return dead == 0 ? text : text + fmt::format(": {} dead ({})", dead, names);
+  if (const auto [still, names] = named("no_movement"); still > 0) {
+    text += fmt::format(": {} {} not move ({})", still, still == 1 ? "does" : "do", names);
+  }
+  return text;
+}
+
+/// Name of a column as a person finds it: its own, else its number.
+std::string ShownName(const Inspection& inspection, std::size_t column) {
+  const std::string name = OneLine(inspection.columns[column].name, 20);
+  return name.empty() ? fmt::format("column {}", column + 1) : name;
+}
+
+std::string HealthText(const Inspection& inspection) {
+  const std::vector<HealthFinding> findings = HealthOf(inspection);
+  std::size_t width = 0;
+  for (const HealthFinding& finding : findings) {
+    width = std::max(width, ShownName(inspection, finding.column).size());
+  }
+  std::string text;
+  for (const HealthFinding& finding : findings) {
+    text +=
+        fmt::format("{:<{}}  {}\n", ShownName(inspection, finding.column), width, finding.sentence);
+  }
+  double least_deg = std::numeric_limits<double>::infinity(), most_deg = 0.0;
+  double least = least_deg, most = 0.0;
+  for (const std::size_t c : inspection.MappedColumns()) {
+    const InspectedColumn& column = inspection.columns[c];
+    const double noise_deg = column.statistics.noise * DegPerUnitOf(inspection, column);
+    least = std::min(least, column.statistics.noise);
+    most = std::max(most, column.statistics.noise);
+    least_deg = std::min(least_deg, noise_deg);
+    most_deg = std::max(most_deg, noise_deg);
+  }
+  if (most == 0.0) return text;
+  const auto range = [](double low, double high) {
+    const std::string from = fmt::format("{:.2g}", low), to = fmt::format("{:.2g}", high);
+    return from == to ? to : from + " to " + to;
+  };
+  text += fmt::format("noise {} {}", range(least, most), NameOf(inspection.unit));
+  if (inspection.unit != RawUnit::kDegrees) {
+    text += fmt::format(", {} deg of the joints", range(least_deg, most_deg));
+  }
+  return text + "\n";
 }
 
 ResultTable ColumnsTable(const Inspection& inspection, bool is_verbose) {
@@ -176,6 +230,13 @@ std::string InspectionJson(const Inspection& inspection) {
         {ResultCell(array.name), ResultCell(static_cast<std::int64_t>(array.rows)),
          ResultCell(static_cast<std::int64_t>(array.columns)), ResultCell(array.is_taken)});
   }
+  ResultTable health{.columns = {OnlyInJson("column"), OnlyInJson("finding"), OnlyInJson("value"),
+                                 OnlyInJson("sentence")}};
+  for (const HealthFinding& finding : HealthOf(inspection)) {
+    health.rows.push_back({ResultCell(static_cast<std::int64_t>(finding.column + 1)),
+                           ResultCell(finding.key), ResultCell(ResultValue{finding.value}),
+                           ResultCell(finding.sentence)});
+  }
   const Json json = {{"file", OneLine(inspection.file)},
                      {"format", NameOf(inspection.format)},
                      {"arrays", JsonOf(arrays)},
@@ -195,10 +256,13 @@ std::string InspectionJson(const Inspection& inspection) {
                      {"unit", NameOf(inspection.unit)},
                      {"unit_is_assumed", inspection.unit_is_assumed},
                      {"bits", inspection.bits},
+                     {"profile", inspection.profile},
+                     {"profiles_to_ask_for", inspection.profiles_to_ask_for},
                      {"summary", SummaryOf(inspection)},
                      {"question", inspection.question},
                      {"repairs", inspection.problems},
                      {"remarks", inspection.remarks},
+                     {"health", JsonOf(health)},
                      {"columns", JsonOf(ColumnsTable(inspection, false))}};
   return json.dump(2) + "\n";
 }

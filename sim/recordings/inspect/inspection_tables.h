@@ -13,6 +13,8 @@ namespace gauntlet::sim {
 ResultTable ColumnsTable(const Inspection& inspection, bool is_verbose);
 /// A row per topic of a file of messages.
 ResultTable TopicsTable(const std::vector<ListedTopic>& topics);
+/// Lines about sensors with a defect, the worst first, and the noise of the others.
+std::string HealthText(const Inspection& inspection);
 /// The answer in one line: "5 sensors, 60 Hz, counts: 2 dead (index_pip, little_pip)".
 std::string SummaryOf(const Inspection& inspection);
 /// Evidence for the joints: "by name", "by order, assumed", ..

@@ -3,81 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <map>
-#include <tuple>
 
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/base/nearest_name.h"
+#include "sim/base/text.h"
+#include "sim/recordings/column_scale.h"
 #include "sim/recordings/keypoints/keypoint_layout.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/name_words.h"
+#include "sim/tables/source_bytes.h"
 
 namespace gauntlet::sim {
 namespace {
-
-/// A glove by its number of sensors.
-struct KnownGlove {
-  std::size_t sensors;
-  std::string_view preset;
-  std::vector<RawUnit> units;  // of its values; empty: any
-};
-
-const std::vector<KnownGlove>& KnownGloves() {
-  using enum RawUnit;
-  static const std::vector<KnownGlove> kGloves = {{5, "flex5", {}},
-                                                  {14, "5dt14", {kCounts, kShare}},
-                                                  {18, "cyberglove18", {kCounts, kDegrees}},
-                                                  {20, "manus20", {kDegrees}},
-                                                  {22, "cyberglove22", {kCounts, kDegrees}}};
-  return kGloves;
-}
-
-/// Channels by the number of the sensor, and whether all values must be angles.
-struct Preset {
-  std::vector<std::string> channels;  // empty: the sensor drives no joint
-  std::size_t last_joint = 0;         // sensors up to the last one with a joint
-  bool is_degrees = false;
-};
-
-Preset ReadPreset(const std::string& name) {
-  const std::filesystem::path file = FileOfMap(name);
-  CsvReader csv(file.string(), FileSource(file), ProblemHandling::kAllowMissing);
-  std::vector<std::string> cells;
-  Preset preset;
-  while (csv.NextRow(cells)) {
-    const auto number = static_cast<std::size_t>(csv.Number(cells.front(), 1));
-    if (number < 1 || number > 1000) csv.Fail(1, "must be the number of a sensor");
-    preset.channels.resize(std::max(preset.channels.size(), number));
-    if (cells[1] == "ignore" || !preset.channels[number - 1].empty()) continue;
-    preset.channels[number - 1] = cells[1];
-    preset.last_joint = std::max(preset.last_joint, number);
-    preset.is_degrees = preset.is_degrees || (cells.size() > 2 && cells[2] == "deg");
-  }
-  return preset;
-}
-
-std::string_view PresetFor(std::size_t sensors, RawUnit unit) {
-  for (const KnownGlove& glove : KnownGloves()) {
-    const bool has_unit =
-        glove.units.empty() || std::ranges::find(glove.units, unit) != glove.units.end();
-    if (glove.sensors == sensors && has_unit) return glove.preset;
-  }
-  return "";
-}
-
-bool IsAngle(RawUnit unit) { return unit == RawUnit::kDegrees || unit == RawUnit::kRadians; }
-
-/// Larger is better: angle before share before counts.
-int RankOf(RawUnit unit) {
-  if (IsAngle(unit)) return 3;
-  return unit == RawUnit::kShare ? 2 : 1;
-}
-
-auto QualityOf(const ColumnFamily& family) {
-  return std::tuple(family.facts.names_fingers, family.facts.moving > 0, RankOf(family.unit));
-}
 
 /// "columns 2, 4 to 6", from 1; of many parts the first.
 std::string ColumnsText(std::vector<std::size_t> columns) {
@@ -95,6 +37,8 @@ std::string ColumnsText(std::vector<std::size_t> columns) {
   return text;
 }
 
+constexpr std::size_t kMostMapBytes = 1'000'000;
+
 void ChooseFamily(const ColumnFamily& family, JointChoice& choice) {
   choice.columns = family.columns;
   choice.joints.assign(family.columns.size(), {});
@@ -108,7 +52,7 @@ void ChooseFamily(const ColumnFamily& family, JointChoice& choice) {
 
 /// A log of commands and of what was measured, and no glove. A command that is held for many rows
 /// looks like a label: then a word of the measured columns must say that they answer.
-bool IsCommandLog(const std::vector<ColumnFamily>& families) {
+bool IsCommandLog(std::span<const ColumnFamily> families) {
   constexpr std::string_view kAnswers = "state observation measured actual feedback present";
   const auto command_rule = std::ranges::find(QuantityRules(), "command", &QuantityRule::key);
   bool has_command = false, has_held = false, has_measured = false, has_answer = false;
@@ -128,190 +72,321 @@ bool IsCommandLog(const std::vector<ColumnFamily>& families) {
   return (has_command && has_measured) || (has_held && has_answer);
 }
 
-/// Sensors of the asked hand. `question` receives a sentence if a file with both has none asked.
-std::vector<const ColumnFamily*> SensorsOf(const std::vector<ColumnFamily>& families,
-                                           const std::string& hand, std::string& question) {
-  std::vector<const ColumnFamily*> sensors;
-  bool has_left = false, has_right = false;
-  for (const ColumnFamily& family : families) {
-    if (family.quantity != Quantity::kSensor) continue;
-    has_left = has_left || family.side == "left";
-    has_right = has_right || family.side == "right";
-    sensors.push_back(&family);
-  }
-  if (!has_left || !has_right) return sensors;
-  if (hand.empty()) {
-    question =
-        "holds both hands; gauntlet inspect --hand left or --hand right takes one, with "
-        "--write-scenario for compare";
-  }
-  std::erase_if(sensors, [&hand](const ColumnFamily* family) {
-    return !hand.empty() && !family->side.empty() && family->side != hand;
-  });
-  return sensors;
+/// "5 sensors", "1 sensor".
+std::string SensorsText(std::size_t count) {
+  return count == 1 ? "1 sensor" : fmt::format("{} sensors", count);
 }
 
-/// The sensors that a preset is of: those in the given range, else the family of the right size.
-ColumnFamily SensorsForPreset(const std::vector<ColumnFamily>& families, const Preset& preset,
-                              const JointOptions& options) {
-  const std::size_t most = preset.channels.size();
-  const auto fits = [&](std::size_t width) { return width >= preset.last_joint && width <= most; };
-  const std::string needs =
-      preset.last_joint == most
-          ? fmt::format("{} has {} sensors", options.preset, most)
-          : fmt::format("{} has {} to {} sensors", options.preset, preset.last_joint, most);
-  ColumnFamily all;
-  for (const ColumnFamily& family : families) {
-    if (family.quantity != Quantity::kSensor) continue;
-    if (fits(family.columns.size())) return family;
-    if (all.columns.empty()) all = family;
+ProfileFacts::Column FactsOfColumn(const ColumnEvidence& column) {
+  return {.name = column.name,
+          .low = column.statistics.low,
+          .high = column.statistics.high,
+          .is_whole = column.statistics.is_whole};
+}
+
+/// The table of a family alone: profiles without names are of the sensors only.
+ProfileFacts FactsOfSensors(const JointEvidence& evidence, const ColumnFamily& family) {
+  ProfileFacts facts = {.format = evidence.format};
+  for (const std::size_t c : family.columns) {
+    facts.columns.push_back(FactsOfColumn(evidence.columns[c]));
   }
-  const std::size_t found = all.columns.size();
+  return facts;
+}
+
+/// Profiles for which this evidence is the given one, in their order.
+std::vector<const Profile*> ProfilesWith(ProfileEvidence evidence, const ProfileFacts& table,
+                                         const std::vector<Profile>& profiles, bool by_names) {
+  std::vector<const Profile*> found;
+  for (const Profile& profile : profiles) {
+    if (profile.match.names.empty() == by_names) continue;
+    if (EvidenceFor(profile, table) == evidence) found.push_back(&profile);
+  }
+  return found;
+}
+
+std::size_t NumberOfNames(const Profile* profile) { return profile->match.names.size(); }
+
+std::vector<std::string> NamesOf(const std::vector<const Profile*>& profiles) {
+  std::vector<std::string> names;
+  for (const Profile* profile : profiles) names.push_back(profile->name);
+  return names;
+}
+
+/// Unit in which a column's values are shown: that of the map's row.
+RawUnit UnitOf(const ColumnMapping& mapping) {
+  if (mapping.unit == RecordedUnit::kRadians) return RawUnit::kRadians;
+  if (mapping.unit == RecordedUnit::kShare) return RawUnit::kShare;
+  if (mapping.in_counts || mapping.unit == RecordedUnit::kCounts) return RawUnit::kCounts;
+  if (!mapping.points) return RawUnit::kDegrees;
+  const double full = std::max(std::abs(mapping.points->low), std::abs(mapping.points->high));
+  const bool is_share = full == 1.0 || full == 100.0 || full == 1000.0;
+  return is_share ? RawUnit::kShare : RawUnit::kUnknown;
+}
+
+/// Joints of a map. `columns`: those of the table that the map's columns are; empty: the same.
+void ChooseByMap(const JointEvidence& evidence, const ColumnMap& map, JointBasis basis,
+                 const std::string& why, const std::vector<std::size_t>& columns,
+                 JointChoice& choice) {
+  std::map<std::size_t, std::vector<ColumnMapping>> of_column;
+  for (ColumnMapping mapping : map.channels) {
+    if (!columns.empty() && mapping.column >= columns.size()) continue;
+    if (!columns.empty()) mapping.column = columns[mapping.column];
+    of_column[mapping.column].push_back(mapping);
+  }
+  for (const auto& [column, mappings] : of_column) {
+    const ColumnEvidence& is = evidence.columns[column];
+    if (is.is_text || is.statistics.good_rows == 0) continue;
+    const Channel& joint = KnownChannels()[mappings.front().channel];
+    const bool is_assumed = mappings.front().assumed.find("joint") != std::string::npos;
+    choice.columns.push_back(column);
+    choice.joints.push_back(
+        {std::string(joint.name),
+         is_assumed && basis == JointBasis::kProfile ? JointBasis::kAssumed : basis, why});
+    choice.mappings.push_back(mappings);
+    choice.unit = UnitOf(mappings.front());
+    choice.high = std::max(choice.high, is.statistics.usual_high);
+  }
+  if (choice.columns.empty()) {
+    throw UserError("the columns of the map's channels contain no numbers");
+  }
+  if (choice.unit == RawUnit::kUnknown) {  // two values of it are known, but not what it is
+    choice.unit = FamilyOfSensors(evidence.columns, choice.columns).unit;
+  }
+  choice.unit_why = why;
+}
+
+/// The columns of a profile that numbers the sensors: those in the given range, else the family of
+/// the right size.
+const ColumnFamily& SensorsForProfile(const JointEvidence& evidence, const Profile& profile) {
+  const std::vector<double>& width = profile.match.columns;
+  std::size_t families = 0, found = 0;
+  for (const ColumnFamily& family : evidence.families) {
+    if (family.quantity != Quantity::kSensor) continue;
+    const auto columns = static_cast<double>(family.columns.size());
+    if (width.empty() || (columns >= width.front() && columns <= width.back())) return family;
+    if (families++ == 0) found = family.columns.size();
+  }
+  const std::string needs =
+      width.empty() ? fmt::format("{} needs sensors", profile.name)
+      : width.front() == width.back()
+          ? fmt::format("{} has {} sensors", profile.name, width.front())
+          : fmt::format("{} has {} to {} sensors", profile.name, width.front(), width.back());
   throw UserError(fmt::format("{}, and {} of one kind {} found; --columns FIRST-LAST says which {}",
                               needs, found == 1 ? "1 column" : fmt::format("{} columns", found),
                               found == 1 ? "is" : "are", "the sensors are"));
 }
 
-void ChooseByPreset(const std::vector<ColumnFamily>& families, const JointOptions& options,
-                    JointChoice& choice) {
-  const Preset preset = ReadPreset(options.preset);
-  const ColumnFamily sensors = SensorsForPreset(families, preset, options);
-  if (preset.is_degrees && !IsAngle(sensors.unit)) {
-    throw UserError(fmt::format("{} gives degrees, {} look like {} ({:.4g} to {:.4g})",
-                                options.preset, ColumnsText(sensors.columns), NameOf(sensors.unit),
-                                sensors.facts.low, sensors.facts.high));
-  }
-  ChooseFamily(sensors, choice);
-  for (std::size_t i = 0; i < choice.joints.size(); ++i) {
-    const std::string& channel = preset.channels[i];
-    choice.joints[i] = {channel, JointBasis::kPreset,
-                        channel.empty() ? fmt::format("sensor {} of {}, which drives no joint",
-                                                      i + 1, options.preset)
-                                        : fmt::format("sensor {} of {}", i + 1, options.preset)};
-  }
-}
+/// True if the profile's columns are numbers of sensors.
+bool CountsSensors(const Profile& profile) { return profile.match.names.empty(); }
 
-/// Joints of a column map.
-void ChooseByMap(const std::vector<ColumnFamily>& families, const ColumnMap& map,
-                 JointChoice& choice) {
-  std::map<std::size_t, int> channels;  // by column
-  for (const ColumnMapping& mapping : map.channels) channels[mapping.column] = mapping.channel;
-  const auto mapped = [&channels](const ColumnFamily& family) {
-    return std::ranges::count_if(family.columns,
-                                 [&](std::size_t c) { return channels.contains(c); });
-  };
-  const auto best = std::ranges::max_element(families, {}, mapped);
-  if (best == families.end() || mapped(*best) == 0) {
-    throw UserError("the columns of the map's channels contain no numbers");
-  }
-  ChooseFamily(*best, choice);
-  choice.columns.clear();
-  choice.joints.clear();
-  for (const auto& [column, channel] : channels) {
-    choice.columns.push_back(column);
-    choice.joints.push_back(
-        {std::string(KnownChannels()[channel].name), JointBasis::kMap, "by the map"});
-  }
-}
-
-/// Joints by the number of the sensors, or a question.
-void ChooseByNumber(const ColumnFamily& family, JointChoice& choice) {
-  const std::string_view preset = PresetFor(family.columns.size(), family.unit);
-  const bool is_beyond_all =
-      family.is_assumed && family.unit == RawUnit::kCounts && family.facts.low < 0.0;
-  const bool may_be_ordered =
-      std::ranges::all_of(family.facts.words, IsSensorWord) && !is_beyond_all;
-  if (preset.empty() || !may_be_ordered || !family.facts.is_even) {
-    choice.question = fmt::format(
-        "{}: {} [{}], {}", ColumnsText(family.columns),
-        family.columns.size() == 1 ? "1 sensor" : fmt::format("{} sensors", family.columns.size()),
-        NameOf(family.unit),
-        family.facts.is_even ? "whose joints are unknown" : "of different sizes");
+void ChooseByProfile(const JointEvidence& evidence, const Profile& profile, JointBasis basis,
+                     JointChoice& choice) {
+  choice.profile = profile.name;
+  const std::string why = "by the profile " + profile.name;
+  if (!CountsSensors(profile)) {
+    std::vector<std::string> names;
+    for (const ColumnEvidence& column : evidence.columns) names.push_back(column.name);
+    const ColumnMap map = MapOfProfile(
+        profile, {.name = "the table", .header = names, .count = evidence.columns.size()});
+    ChooseByMap(evidence, map, basis, why, {}, choice);
     return;
   }
-  const Preset order = ReadPreset(std::string(preset));
-  for (std::size_t i = 0; i < choice.joints.size(); ++i) {
-    choice.joints[i] = {order.channels[i], JointBasis::kAssumed,
-                        fmt::format("by the order of {}, which has as many sensors", preset)};
-  }
+  const ColumnFamily& sensors = SensorsForProfile(evidence, profile);
+  constexpr std::size_t kMostSensors = 1000;  // a profile may be of more than the table has
+  const ColumnMap map = MapOfProfile(profile, {.name = "the profile", .count = kMostSensors});
+  ChooseByMap(evidence, map, basis, why, sensors.columns, choice);
+  if (choice.unit == RawUnit::kCounts && choice.mappings.front().front().points) return;
+  const std::vector<double>& values = profile.match.values;
+  const bool fits = values.empty() || std::ranges::all_of(sensors.columns, [&](std::size_t c) {
+                      const ColumnStatistics& is = evidence.columns[c].statistics;
+                      return is.usual_low >= values.front() && is.usual_high <= values.back();
+                    });
+  if (fits) return;
+  throw UserError(fmt::format("{} gives values from {:g} to {:g}, {} have {:.4g} to {:.4g}",
+                              profile.name, values.front(), values.back(),
+                              ColumnsText(sensors.columns), sensors.facts.low, sensors.facts.high));
 }
 
-/// Adds the family with parts of the arm, if it has the unit and the stem of the fingers'.
-ColumnFamily WithArm(const ColumnFamily& fingers, const std::vector<const ColumnFamily*>& sensors) {
-  ColumnFamily all = fingers;
-  for (const ColumnFamily* family : sensors) {
-    if (family->columns == fingers.columns || !family->facts.names_fingers ||
-        family->stem != fingers.stem || family->unit != fingers.unit) {
-      continue;
+/// The unit of angles that the header of the file gives decides, unless the names say another. If
+/// the file only has to have one (`angle`), the size of the values decides.
+void UseUnitOfFile(const std::string& unit, ColumnFamily& family) {
+  constexpr double kTurn_rad = 6.6;
+  if (unit.empty() || family.rule.ends_with("_by_name") ||
+      HasWordOf(family.facts.words, "activation excitation")) {
+    return;
+  }
+  family.is_assumed = unit == "angle";
+  const bool is_rad = family.is_assumed ? family.facts.reach < kTurn_rad : unit == "rad";
+  family.unit = is_rad ? RawUnit::kRadians : RawUnit::kDegrees;
+  family.why = family.is_assumed ? "angles whose unit the header of the file does not say"
+                                 : "by the header of the file";
+}
+
+/// The unit that a person gives counts, whatever the file says.
+void UseGivenUnit(const std::string& unit, ColumnFamily& family) {
+  if (unit.empty()) return;
+  for (const RawUnit known :
+       {RawUnit::kDegrees, RawUnit::kRadians, RawUnit::kCounts, RawUnit::kShare, RawUnit::kVolts}) {
+    if (unit == NameOf(known) || (unit == "percent" && known == RawUnit::kShare)) {
+      family.unit = known;
     }
-    all.columns.insert(all.columns.end(), family->columns.begin(), family->columns.end());
-    all.is_assumed = all.is_assumed && family->is_assumed;
   }
-  return all;
+  if (family.unit == RawUnit::kShare) family.facts.high = unit == "percent" ? 100.0 : 1.0;
+  family.is_assumed = false;
+  family.rule = "given";
+  family.why = "as given";
 }
 
-/// Joints in degrees beside a family that is small enough for radians, and may be in either.
-const ColumnFamily* InDegreesBeside(const ColumnFamily& family,
-                                    const std::vector<const ColumnFamily*>& sensors) {
-  if (!family.is_assumed || family.unit != RawUnit::kRadians) return nullptr;
-  const auto found = std::ranges::find_if(sensors, [](const ColumnFamily* other) {
-    return other->unit == RawUnit::kDegrees &&
-           (other->facts.names_fingers || other->facts.names_arm);
-  });
-  return found == sensors.end() ? nullptr : *found;
+Profile ProfileNamed(const std::string& name, const std::vector<Profile>& profiles) {
+  const auto found = std::ranges::find(profiles, name, &Profile::name);
+  if (found != profiles.end()) return *found;
+  const std::filesystem::path file = name;
+  if (file.extension() == ".yaml") return ReadProfile(file);
+  if (file.extension() == ".csv") {  // a column map with numbers of sensors
+    return {.name = name, .device = name, .map = BytesOf(FileSource(file), kMostMapBytes)};
+  }
+  std::vector<std::string> names;
+  for (const Profile& profile : profiles) names.push_back(profile.name);
+  throw UserError(
+      {.place = "--preset",
+       .problem = fmt::format("no profile {}{}", OneLine(name, 30), Suggestion(name, names))});
 }
 
-bool IsRange(const std::vector<std::size_t>& columns) {
-  return columns.back() - columns.front() + 1 == columns.size();
+/// A family of columns of which it is known that they are sensors, in the unit of the file or of a
+/// person, if one is given.
+ColumnFamily InGivenUnit(const JointEvidence& evidence, const std::vector<std::size_t>& columns,
+                         const std::string& given) {
+  ColumnFamily family = FamilyOfSensors(evidence.columns, columns);
+  UseUnitOfFile(evidence.angle_unit, family);
+  UseGivenUnit(given, family);
+  return family;
 }
 
-/// Joints of the best family. A question if none is best.
-void ChooseBest(const std::vector<const ColumnFamily*>& sensors,
-                const std::vector<std::string>& names, JointChoice& choice) {
-  const auto best = std::ranges::max_element(sensors, {}, [](const ColumnFamily* family) {
-    return std::tuple(QualityOf(*family), family->columns.size());
-  });
-  const ColumnFamily& family = **best;
-  const auto is_equal = [&](const ColumnFamily* other) {
-    return other != &family && QualityOf(*other) == QualityOf(family) && !other->facts.names_arm &&
-           other->stem != family.stem;
-  };
-  const auto rival = std::ranges::find_if(sensors, is_equal);
-  const ColumnFamily all = family.facts.names_fingers ? WithArm(family, sensors) : family;
-  ChooseFamily(all, choice);
-  if (rival != sensors.end()) {
-    const bool is_range = IsRange(family.columns) && IsRange((*rival)->columns);
-    choice.question = fmt::format("both {} and {} may be the joints{}", ColumnsText(family.columns),
-                                  ColumnsText((*rival)->columns),
-                                  is_range ? "; --columns FIRST-LAST says which" : "");
-    return;
+/// Joints beside these that may be in degrees where these may be in radians, or the other way.
+std::vector<std::size_t> InOtherUnit(const JointEvidence& evidence, const JointChoice& choice) {
+  const bool is_rad = choice.unit == RawUnit::kRadians;
+  if (!choice.unit_is_assumed || (!is_rad && choice.unit != RawUnit::kDegrees)) return {};
+  const RawUnit other_unit = is_rad ? RawUnit::kDegrees : RawUnit::kRadians;
+  for (const ColumnFamily& other : evidence.families) {
+    const bool is_joint = other.facts.names_fingers || other.facts.names_arm;
+    if (other.quantity == Quantity::kSensor && other.unit == other_unit && is_joint &&
+        std::ranges::find(choice.columns, other.columns.front()) == choice.columns.end()) {
+      return other.columns;
+    }
   }
-  if (const ColumnFamily* in_deg = InDegreesBeside(family, sensors); in_deg != nullptr) {
-    choice.question = fmt::format("{} reads as rad and {} as deg; a map says the unit of each",
-                                  ColumnsText(family.columns), ColumnsText(in_deg->columns));
-    return;
+  return {};
+}
+
+/// Columns that name a joint, by the words that the grammar does not have.
+using NamedColumns = std::map<std::string, std::vector<std::size_t>>;
+
+NamedColumns ColumnsWithJoints(const JointEvidence& evidence, const std::string& hand,
+                               std::string& question) {
+  NamedColumns named;
+  bool has_left = false, has_right = false;
+  for (const ColumnFamily& family : evidence.families) {
+    if (family.quantity != Quantity::kSensor) continue;
+    for (const std::size_t c : family.columns) {
+      const JointName name = ReadJointName(evidence.columns[c].name);
+      has_left = has_left || name.side == "left";
+      has_right = has_right || name.side == "right";
+      const bool is_asked = hand.empty() || name.side.empty() || name.side == hand;
+      if (name.is_joint && is_asked) named[name.other].push_back(c);
+    }
   }
-  if (!family.facts.names_fingers) {
-    ChooseByNumber(family, choice);
-    return;
+  for (auto& [other, columns] : named) std::ranges::sort(columns);
+  if (has_left && has_right && hand.empty()) {
+    question =
+        "holds both hands; gauntlet inspect --hand left or --hand right takes one, with "
+        "--write-scenario for compare";
   }
-  std::vector<std::string> own_names;
-  const std::vector<std::string> finger_names = WithFingers(names);
-  for (const std::size_t c : choice.columns) own_names.push_back(finger_names[c]);
-  choice.joints = JointsByNames(own_names, choice.question);
-  // A word that is not known may say that it is no angle of the joint.
-  if (!std::ranges::all_of(family.facts.words, [](const std::string& word) {
-        return IsSensorWord(word) || HasWordOf({word}, "pos position positions");
-      })) {
-    for (ColumnJoint& joint : choice.joints) joint.basis = JointBasis::kAssumed;
+  return named;
+}
+
+/// True if a question was asked or joints were found.
+bool ChooseByNames(const JointEvidence& evidence, const JointOptions& options,
+                   JointChoice& choice) {
+  const NamedColumns named = ColumnsWithJoints(evidence, options.hand, choice.question);
+  if (!choice.question.empty()) return true;
+  if (named.empty()) return false;
+  const auto& [other, columns] = *named.begin();  // exact names come first
+  ChooseFamily(InGivenUnit(evidence, columns, options.unit), choice);
+  if (!other.empty() && named.size() > 1) {
+    choice.question = fmt::format("both {} and {} may be the joints", ColumnsText(columns),
+                                  ColumnsText(std::next(named.begin())->second));
+    return true;
   }
+  if (const auto beside = InOtherUnit(evidence, choice); !beside.empty()) {
+    const bool is_rad = choice.unit == RawUnit::kRadians;
+    choice.question =
+        fmt::format("{} reads as rad and {} as deg; a map says the unit of each",
+                    ColumnsText(is_rad ? columns : beside), ColumnsText(is_rad ? beside : columns));
+    return true;
+  }
+  std::vector<std::string> names;
+  for (const std::size_t c : choice.columns) names.push_back(evidence.columns[c].name);
+  choice.joints = JointsByNames(names, choice.question);
   const bool any_joint = std::ranges::any_of(
       choice.joints, [](const ColumnJoint& joint) { return !joint.channel.empty(); });
   if (!any_joint && choice.question.empty()) choice.question = "no name of a column is a joint's";
+  for (ColumnJoint& joint : choice.joints) {
+    // A word that is not known may say that it is no angle of the joint.
+    if (!other.empty()) joint.basis = JointBasis::kAssumed;
+  }
+  return true;
+}
+
+/// Joints of sensors without names.
+void ChooseByNumber(const JointEvidence& evidence, const JointOptions& options,
+                    const std::vector<Profile>& profiles, JointChoice& choice) {
+  std::vector<const ColumnFamily*> sensors;
+  for (const ColumnFamily& family : evidence.families) {
+    if (family.quantity == Quantity::kSensor) sensors.push_back(&family);
+  }
+  // One that never moves is no rival of others.
+  if (std::ranges::any_of(sensors, [](const auto* family) { return family->facts.moving > 0; })) {
+    std::erase_if(sensors, [](const auto* family) { return family->facts.moving == 0; });
+  }
+  const ColumnFamily& family = *sensors.front();
+  ChooseFamily(InGivenUnit(evidence, family.columns, options.unit), choice);
+  if (sensors.size() > 1) {
+    choice.question = fmt::format(
+        "both {} and {} may be the joints; --columns FIRST-LAST says "
+        "which",
+        ColumnsText(family.columns), ColumnsText(sensors[1]->columns));
+    return;
+  }
+  const bool may_be_ordered =
+      std::ranges::all_of(family.facts.words, IsSensorWord) && family.facts.is_even;
+  const auto known =
+      ProfilesWith(ProfileEvidence::kKnown, FactsOfSensors(evidence, family), profiles, false);
+  if (may_be_ordered && known.size() == 1) {
+    JointChoice by_profile;
+    ChooseByProfile(evidence, *known.front(), JointBasis::kAssumed, by_profile);
+    // Sensors without names may be in another order: the profile gives the joints, the file the
+    // range.
+    choice.profile = by_profile.profile;
+    for (std::size_t i = 0; i < by_profile.columns.size(); ++i) {
+      const auto place = std::ranges::find(choice.columns, by_profile.columns[i]);
+      choice.joints[static_cast<std::size_t>(place - choice.columns.begin())] =
+          by_profile.joints[i];
+    }
+    return;
+  }
+  choice.question =
+      fmt::format("{}: {} [{}], {}", ColumnsText(family.columns),
+                  SensorsText(family.columns.size()), NameOf(choice.unit),
+                  family.facts.is_even ? "whose joints are unknown" : "of different sizes");
+  constexpr std::size_t kMost = 4;  // more say nothing
+  const auto possible = known.empty()
+                            ? ProfilesWith(ProfileEvidence::kOneFact,
+                                           FactsOfSensors(evidence, family), profiles, false)
+                            : known;
+  if (possible.size() <= kMost) choice.profiles_to_ask_for = NamesOf(possible);
 }
 
 /// Muscles of which a person may make channels.
-void ChooseMuscles(const std::vector<ColumnFamily>& families, JointChoice& choice) {
+void ChooseMuscles(std::span<const ColumnFamily> families, JointChoice& choice) {
   const auto is_muscle = [](const ColumnFamily& family) {
     return family.quantity == Quantity::kMuscle && family.facts.moving > 0;
   };
@@ -324,14 +399,20 @@ void ChooseMuscles(const std::vector<ColumnFamily>& families, JointChoice& choic
 }
 
 /// Content of a table that has no sensors of a hand.
-std::string WithoutSensors(const std::vector<ColumnFamily>& families,
-                           const std::vector<std::string>& names) {
-  std::size_t positions = 0;
-  for (const ColumnFamily& family : families) {
+std::string WithoutSensors(const JointEvidence& evidence) {
+  std::size_t positions = 0, in_plane = 0;
+  for (const ColumnFamily& family : evidence.families) {
     positions += family.quantity == Quantity::kPosition ? family.columns.size() : 0;
+    in_plane += family.facts.axes == "xy" ? family.columns.size() : 0;
+  }
+  if (in_plane > 0 && in_plane == positions) {
+    return "x and y without z are points in an image, which have no angles; world landmarks have "
+           "x, y and z";
   }
   constexpr std::size_t kLeast = 9;  // of three points, the fewest that have an angle
   if (positions < kLeast) return "no column looks like a sensor of a hand";
+  std::vector<std::string> names;
+  for (const ColumnEvidence& column : evidence.columns) names.push_back(column.name);
   if (const std::string problem = FindKeypoints(names).problem; !problem.empty()) {
     return fmt::format("no angles without more keypoints: the table {}", problem);
   }
@@ -343,31 +424,59 @@ std::string WithoutSensors(const std::vector<ColumnFamily>& families,
 
 }  // namespace
 
-JointChoice ChooseJoints(const std::vector<ColumnFamily>& families,
-                         const std::vector<std::string>& names, const JointOptions& options,
-                         const std::optional<ColumnMap>& map) {
+ProfileFacts FactsOf(const JointEvidence& evidence) {
+  ProfileFacts facts = {.format = evidence.format};
+  for (const ColumnFamily& family : evidence.families) {
+    for (const std::size_t c : family.columns) {
+      facts.names.push_back(evidence.columns[c].name);
+      using enum Quantity;
+      const bool is_value = family.quantity != kText && family.quantity != kNothing &&
+                            family.quantity != kTime && family.quantity != kNumber;
+      if (is_value) facts.columns.push_back(FactsOfColumn(evidence.columns[c]));
+    }
+  }
+  return facts;
+}
+
+JointChoice ChooseJoints(const JointEvidence& evidence, const JointOptions& options,
+                         const std::optional<ColumnMap>& map,
+                         const std::vector<Profile>& profiles) {
   JointChoice choice;
   if (map) {
-    ChooseByMap(families, *map, choice);
+    ChooseByMap(evidence, *map, JointBasis::kMap, "by the map", {}, choice);
     return choice;
   }
   if (!options.preset.empty()) {
-    ChooseByPreset(families, options, choice);
+    ChooseByProfile(evidence, ProfileNamed(options.preset, profiles), JointBasis::kProfile, choice);
     return choice;
   }
-  if (IsCommandLog(families)) {
+  if (IsCommandLog(evidence.families)) {
     choice.is_command_log = true;
     choice.question = "a log of commands and measured angles, not of a glove";
     return choice;
   }
-  const auto sensors = SensorsOf(families, options.hand, choice.question);
-  if (!choice.question.empty()) return choice;
-  if (sensors.empty()) {
-    ChooseMuscles(families, choice);
-    if (choice.columns.empty()) choice.question = WithoutSensors(families, names);
+  auto known = ProfilesWith(ProfileEvidence::kKnown, FactsOf(evidence), profiles, true);
+  // One that asks for more names is of the same maker's larger hand.
+  std::ranges::stable_sort(known, std::ranges::greater(), NumberOfNames);
+  if (known.size() > 1 && NumberOfNames(known[0]) == NumberOfNames(known[1])) {
+    choice.question = "may be a file of several devices";
+    choice.profiles_to_ask_for = NamesOf(known);
     return choice;
   }
-  ChooseBest(sensors, names, choice);
+  if (!known.empty()) {
+    ChooseByProfile(evidence, *known.front(), JointBasis::kProfile, choice);
+    return choice;
+  }
+  if (ChooseByNames(evidence, options, choice)) return choice;
+  const bool has_sensors = std::ranges::any_of(evidence.families, [](const ColumnFamily& family) {
+    return family.quantity == Quantity::kSensor;
+  });
+  if (has_sensors) {
+    ChooseByNumber(evidence, options, profiles, choice);
+    return choice;
+  }
+  ChooseMuscles(evidence.families, choice);
+  if (choice.columns.empty()) choice.question = WithoutSensors(evidence);
   return choice;
 }
 

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
+#include <cctype>
 #include <map>
 #include <utility>
 
+#include "controller/number.h"
 #include "sim/base/channels.h"
 #include "sim/tables/name_words.h"
+#include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -59,6 +61,16 @@ std::vector<std::string> ChannelsOfFinger(const std::string& finger, std::size_t
   return channels;
 }
 
+/// Words beside finger and side: joints, directions, numbers, units.
+bool IsWordOfJoint(const std::string& word) {
+  const bool is_number = std::isdigit(static_cast<unsigned char>(word.front())) != 0;
+  return is_number || !JointOf(word).empty() || IsSensorWord(word) || IsJointWord(word) ||
+         IsWordOf(
+             "flexion flexed extension stretch curl bends angular spreads deviation dev ulnar "
+             "radial supination pitch yaw percent pct mv ratio",
+             word);
+}
+
 /// A thumb with sensors at mcp, pip and dip: an export with the same names for all fingers. Its
 /// three joints are those from the root on.
 bool ShiftLongThumb(const std::vector<NamedSensor>& sensors, std::vector<ColumnJoint>& joints) {
@@ -79,13 +91,22 @@ bool ShiftLongThumb(const std::vector<NamedSensor>& sensors, std::vector<ColumnJ
   return true;
 }
 
-/// Sensors of one finger without a joint in their names. Those of a Shadow hand (FFJ3) are numbered
-/// from the tip.
+/// The last number in a name, 0 without one.
+double NumberIn(const std::string& name) {
+  double number = 0.0;
+  for (const std::string& word : WordsOf(name)) {
+    number = controller::ParseNumber(word).value_or(number);
+  }
+  return number;
+}
+
+/// Sensors of one finger without a joint in their names, in the order of their numbers. Those of a
+/// Shadow hand (FFJ3) are numbered from the tip.
 void ShareOut(const std::string& finger, std::vector<std::size_t> columns,
               const std::vector<std::string>& names, std::vector<ColumnJoint>& joints) {
+  std::ranges::stable_sort(columns, {}, [&](std::size_t c) { return NumberIn(names[c]); });
   if (HasWordOf(WordsOf(names[columns.front()]), "thj ffj mfj rfj lfj")) {
-    std::ranges::stable_sort(columns, std::greater<>(),
-                             [&](std::size_t c) { return WordsOf(names[c]).back(); });
+    std::ranges::reverse(columns);
   }
   const std::vector<std::string> channels = ChannelsOfFinger(finger, columns.size());
   for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -103,6 +124,27 @@ void ShareOut(const std::string& finger, std::vector<std::size_t> columns,
 }
 
 }  // namespace
+
+JointName ReadJointName(std::string_view name) {
+  JointName joint;
+  int fingers = 0;
+  const Words words = WordsOf(name);
+  for (const std::string& word : words) {
+    const bool is_finger = !FingerOf(word).empty();
+    const bool is_part = is_finger || !ArmPartOf(word).empty() || IsSpread(word);
+    // "index_middle" of a CyberGlove is the middle joint of the index finger.
+    fingers += is_finger && (fingers == 0 || word != "middle") ? 1 : 0;
+    joint.is_joint = joint.is_joint || is_part;
+    if (is_part || IsWordOfJoint(word)) continue;
+    if (!SideOf(word).empty()) {
+      joint.side = SideOf(word);
+      continue;
+    }
+    joint.other += (joint.other.empty() ? "" : " ") + word;
+  }
+  if (fingers > 1) joint.other += (joint.other.empty() ? "" : " ") + std::string("pair");
+  return joint;
+}
 
 NamedSensor ReadSensorName(std::string_view name) {
   Words words = WordsOf(name);

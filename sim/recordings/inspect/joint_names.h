@@ -15,8 +15,17 @@ struct NamedSensor {
 };
 NamedSensor ReadSensorName(std::string_view name);
 
+/// A column's name by the grammar of joints: [side] finger joint [flex|angle|pos] [unit], or the
+/// name of a channel, in any order and case.
+struct JointName {
+  bool is_joint = false;   // names a finger, the spread of fingers, or a part of the arm
+  std::string side = {};   // left, right; empty: not named
+  std::string other = {};  // words that the grammar does not have, with blanks; empty: exact
+};
+JointName ReadJointName(std::string_view name);
+
 /// Evidence for the joint of a column.
-enum class JointBasis { kName, kPreset, kMap, kAssumed };
+enum class JointBasis { kName, kProfile, kMap, kAssumed };
 
 /// The joint that a column drives.
 struct ColumnJoint {
@@ -26,7 +35,8 @@ struct ColumnJoint {
 };
 
 /// Joints of columns by their names. `question` receives a sentence if two columns name one joint;
-/// of several sensors of the spread between fingers the first drives it.
+/// of several sensors of the spread between fingers the first drives it. Sensors of a finger that
+/// are only numbered are assumed to be those from its root on.
 std::vector<ColumnJoint> JointsByNames(const std::vector<std::string>& names,
                                        std::string& question);
 

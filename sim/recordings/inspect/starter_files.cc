@@ -10,6 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
+#include "sim/recordings/column_scale.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -31,9 +32,12 @@ bool NeedsTwoPoints(RawUnit unit) {
   return unit == RawUnit::kCounts || unit == RawUnit::kVolts || unit == RawUnit::kUnknown;
 }
 
-/// Lower end of the range that a hand uses. Few people bend a knuckle back by 45 degrees.
-double LowDegOf(const Channel& joint) {
-  return joint.name.ends_with("_mcp") ? std::max(joint.min_deg, 0.0) : joint.min_deg;
+/// Two values, with as many digits as tell them apart.
+std::string TwoValues(double low, double high) {
+  if (std::abs(high - low) < 1e-3 * std::max(std::abs(low), std::abs(high))) {
+    return fmt::format("{},{}", low, high);
+  }
+  return fmt::format("{:.6g},{:.6g}", low, high);
 }
 
 /// The keys of a row that give the angle, without a comma behind: unit to deg_high.
@@ -48,17 +52,38 @@ std::string AngleCells(const Inspection& inspection, const InspectedColumn& colu
   if (!NeedsTwoPoints(inspection.unit)) {
     return fmt::format("{},{},,,,", NameOf(inspection.unit), column.is_inverted ? "-1" : "1");
   }
-  double low = column.statistics.usual_low;
+  const double low = column.statistics.usual_low;
   double high = column.statistics.usual_high;
   if (!(high > low)) high = low + std::max(1.0, 1e-3 * std::abs(low));
-  std::string ends = fmt::format("{:.6g},{:.6g}", low, high);
-  if (high - low < 1e-3 * std::max(std::abs(low), std::abs(high))) {
-    ends = fmt::format("{},{}", low, high);  // six digits would make them equal
-  }
   return fmt::format(
       "{},,{},{}",
-      NameOf(inspection.unit == RawUnit::kUnknown ? RawUnit::kCounts : inspection.unit), ends,
-      ends_deg);
+      NameOf(inspection.unit == RawUnit::kUnknown ? RawUnit::kCounts : inspection.unit),
+      TwoValues(low, high), ends_deg);
+}
+
+/// True for counts whose range a profile does not know: then it is that of the file.
+bool TakesRangeOfFile(const ColumnMapping& mapping) {
+  return mapping.unit == RecordedUnit::kCounts && !mapping.points;
+}
+
+/// AngleCells() of a row of a profile.
+std::string MappedCells(const Inspection& inspection, const InspectedColumn& column,
+                        const ColumnMapping& mapping) {
+  const Channel& joint = KnownChannels()[static_cast<std::size_t>(mapping.channel)];
+  if (TakesRangeOfFile(mapping)) return AngleCells(inspection, column, &joint);
+  if (mapping.points) {
+    const auto deg_at = [&](double raw) { return mapping.scale * raw + mapping.offset; };
+    return fmt::format("{},,{},{:g},{:g}", mapping.in_counts ? "counts" : "deg",
+                       TwoValues(mapping.points->low, mapping.points->high),
+                       deg_at(mapping.points->low), deg_at(mapping.points->high));
+  }
+  const bool is_share = mapping.unit == RecordedUnit::kShare;
+  const bool is_rad = mapping.unit == RecordedUnit::kRadians;
+  return fmt::format("{},{},,,,",
+                     is_share ? "share"
+                     : is_rad ? "rad"
+                              : "deg",
+                     mapping.scale < 0.0 ? "-1" : "1");
 }
 
 /// Guesses in a column's angle, as words of the map.
@@ -68,9 +93,20 @@ std::string AssumedOf(const Inspection& inspection, const InspectedColumn& colum
     if (is_assumed) words += (words.empty() ? "" : " ") + std::string(word);
   };
   add(column.basis == JointBasis::kAssumed && !column.channel.empty(), "joint");
-  add(inspection.unit_is_assumed, "unit");
-  add(inspection.sign_is_assumed, "sign");
-  add(NeedsTwoPoints(inspection.unit), "range");
+  const bool is_mapped = !column.mappings.empty();
+  const bool is_range =
+      is_mapped ? TakesRangeOfFile(column.mappings.front()) : NeedsTwoPoints(inspection.unit);
+  if (is_mapped) {
+    const std::string& given = column.mappings.front().assumed;
+    for (const char* word : {"unit", "sign"}) add(given.find(word) != given.npos, word);
+    add(is_range || given.find("range") != given.npos, "range");
+  } else {
+    add(inspection.unit_is_assumed, "unit");
+    const bool has_no_sign =
+        inspection.unit == RawUnit::kShare || (is_range && column.quantity != Quantity::kMuscle);
+    add(inspection.sign_is_assumed || has_no_sign, "sign");
+    add(is_range, "range");
+  }
   add(inspection.rate_is_assumed, "rate");
   return words;
 }
@@ -79,12 +115,10 @@ std::string AssumedOf(const Inspection& inspection, const InspectedColumn& colum
 bool HasOwnCounts(const Inspection& inspection) {
   return inspection.unit == RawUnit::kCounts &&
          std::ranges::all_of(inspection.MappedColumns(), [&](std::size_t c) {
-           return inspection.columns[c].statistics.usual_low >= 0.0;
+           const InspectedColumn& column = inspection.columns[c];
+           return column.statistics.usual_low >= 0.0 &&
+                  std::ranges::all_of(column.mappings, &ColumnMapping::in_counts);
          });
-}
-
-bool HasTurns(const Inspection& inspection) {
-  return std::ranges::any_of(inspection.columns, &InspectedColumn::is_turning);
 }
 
 bool HasEnvelopes(const Inspection& inspection) {
@@ -92,31 +126,113 @@ bool HasEnvelopes(const Inspection& inspection) {
       inspection.columns, [](const InspectedColumn& column) { return column.envelope_ms > 0.0; });
 }
 
-/// Keys that only some maps have, with a comma in front of each.
-std::string MoreKeys(const Inspection& inspection) {
-  constexpr int kMostBits = 24;  // of a map
-  if (HasEnvelopes(inspection)) return ",envelope_ms";
-  if (inspection.unit == RawUnit::kCounts && inspection.bits <= kMostBits) return ",bits";
-  return HasTurns(inspection) ? ",offset,wraps_at" : "";
+/// A key that only some maps have, and its value in a row; empty where it says nothing.
+struct MoreKey {
+  std::string_view key;
+  std::string (*value)(const Inspection& inspection, const InspectedColumn& column,
+                       const ColumnMapping* mapping);
+};
+
+std::string NumberUnless(double value, double usual) {
+  return value == usual ? "" : fmt::format("{:g}", value);
 }
 
-/// A row of the map; a sensor that drives no joint is ignored.
-std::string MapRow(const Inspection& inspection, std::size_t c) {
+constexpr MoreKey kMoreKeys[] = {
+    {"scale",
+     [](const Inspection&, const InspectedColumn&, const ColumnMapping* mapping) {
+       return mapping == nullptr || mapping->points ? ""
+                                                    : NumberUnless(std::abs(mapping->scale), 1.0);
+     }},
+    {"offset",
+     [](const Inspection&, const InspectedColumn& column, const ColumnMapping* mapping) {
+       if (mapping != nullptr) return mapping->points ? "" : NumberUnless(mapping->offset, 0.0);
+       return column.is_turning ? fmt::format("{:g}", column.turned_deg) : std::string();
+     }},
+    {"bits",
+     [](const Inspection& inspection, const InspectedColumn&, const ColumnMapping* mapping) {
+       const int bits = mapping != nullptr                    ? mapping->bits
+                        : inspection.unit == RawUnit::kCounts ? inspection.bits
+                                                              : 0;
+       return bits == 0 || bits > kMostMapBits ? std::string() : fmt::to_string(bits);
+     }},
+    {"weight",
+     [](const Inspection&, const InspectedColumn&, const ColumnMapping* mapping) {
+       return mapping == nullptr ? "" : NumberUnless(mapping->weight, 1.0);
+     }},
+    {"wraps_at",
+     [](const Inspection&, const InspectedColumn& column, const ColumnMapping* mapping) {
+       if (mapping != nullptr) return NumberUnless(mapping->wraps_at, 0.0);
+       return std::string(column.is_turning ? "360" : "");
+     }},
+    {"envelope_ms",
+     [](const Inspection&, const InspectedColumn& column, const ColumnMapping* mapping) {
+       return NumberUnless(mapping == nullptr ? column.envelope_ms : mapping->envelope_ms, 0.0);
+     }},
+};
+
+/// Mappings of a column; one that is null where its unit says all.
+std::vector<const ColumnMapping*> MappingsOf(const InspectedColumn& column) {
+  std::vector<const ColumnMapping*> mappings;
+  for (const ColumnMapping& mapping : column.mappings) mappings.push_back(&mapping);
+  if (mappings.empty()) mappings.push_back(nullptr);
+  return mappings;
+}
+
+/// True for a column that may drive a joint: one of numbers that is not the time.
+bool MayDrive(const InspectedColumn& column) {
+  using enum Quantity;
+  return column.kind == CellKind::kNumber && !column.is_time && column.quantity != kTime &&
+         column.quantity != kNothing && column.quantity != kText;
+}
+
+/// True for a column with a row in the map: the time, and sensors that move. While a question is
+/// open, all that may be an answer.
+bool IsRow(const Inspection& inspection, const InspectedColumn& column) {
+  if (!column.time_unit.empty()) return true;
+  if (column.is_sensor && !column.is_dead) return true;
+  return !inspection.question.empty() && inspection.remedy == Remedy::kPresetOrMap &&
+         MayDrive(column);
+}
+
+/// Those of kMoreKeys that a row of the map uses.
+std::vector<const MoreKey*> MoreKeys(const Inspection& inspection) {
+  std::vector<const MoreKey*> keys;
+  for (const MoreKey& key : kMoreKeys) {
+    const bool is_used = std::ranges::any_of(inspection.columns, [&](const InspectedColumn& is) {
+      return is.is_sensor && !is.is_dead &&
+             std::ranges::any_of(MappingsOf(is), [&](const ColumnMapping* mapping) {
+               return !key.value(inspection, is, mapping).empty();
+             });
+    });
+    if (is_used) keys.push_back(&key);
+  }
+  return keys;
+}
+
+/// The rows of a column in the map: one for each joint. A sensor that drives none is ignored.
+std::string MapRows(const Inspection& inspection, std::size_t c,
+                    const std::vector<const MoreKey*>& keys) {
   const InspectedColumn& column = inspection.columns[c];
   const std::string name = ColumnText(inspection, c);
-  const std::string keys = MoreKeys(inspection);
-  const std::string more(std::ranges::count(keys, ','), ',');
   if (!column.time_unit.empty()) {
-    return fmt::format("{},time,{},,,,,,{}\n", name, column.time_unit, more);
+    return fmt::format("{},time,{},,,,,,{}\n", name, column.time_unit,
+                       std::string(keys.size(), ','));
   }
-  const bool has_joint = !column.channel.empty();
-  const Channel* joint = has_joint ? &KnownChannels()[ChannelIndex(column.channel)] : nullptr;
-  const std::string values = column.is_turning ? fmt::format(",{:g},360", column.turned_deg)
-                             : column.envelope_ms > 0.0 ? fmt::format(",{:g}", column.envelope_ms)
-                             : keys == ",bits"          ? fmt::format(",{}", inspection.bits)
-                                                        : more;
-  return fmt::format("{},{},{},{}{}\n", name, has_joint ? column.channel : "ignore",
-                     AngleCells(inspection, column, joint), AssumedOf(inspection, column), values);
+  std::string rows;
+  for (const ColumnMapping* mapping : MappingsOf(column)) {
+    const bool has_joint = !column.channel.empty();
+    const Channel* joint = mapping != nullptr
+                               ? &KnownChannels()[static_cast<std::size_t>(mapping->channel)]
+                           : has_joint ? &KnownChannels()[ChannelIndex(column.channel)]
+                                       : nullptr;
+    rows += fmt::format("{},{},{},{}", name, joint == nullptr ? "ignore" : joint->name,
+                        mapping == nullptr ? AngleCells(inspection, column, joint)
+                                           : MappedCells(inspection, column, *mapping),
+                        AssumedOf(inspection, column));
+    for (const MoreKey* key : keys) rows += "," + key->value(inspection, column, mapping);
+    rows += "\n";
+  }
+  return rows;
 }
 
 /// Settings of filters in counts: r is the median of the channels' noise, at least the
@@ -141,7 +257,11 @@ FilterSettings SettingsInCounts(const Inspection& inspection, double glove_hz) {
     const Channel& joint = KnownChannels()[ChannelIndex(inspection.columns[c].channel)];
     double per_unit = kCountsPerRange / (joint.max_deg - joint.min_deg);
     if (inspection.unit == RawUnit::kRadians) per_unit *= kDegPerRad;
-    if (NeedsTwoPoints(inspection.unit) || inspection.unit == RawUnit::kShare) {
+    const std::vector<ColumnMapping>& mappings = inspection.columns[c].mappings;
+    if (!mappings.empty() && !TakesRangeOfFile(mappings.front())) {
+      per_unit = kCountsPerRange / (joint.max_deg - joint.min_deg) *
+                 std::abs(ScaleOf(mappings.front(), {}).factor) * kDegPerRad;
+    } else if (NeedsTwoPoints(inspection.unit) || inspection.unit == RawUnit::kShare) {
       const double range = inspection.unit == RawUnit::kShare
                                ? (inspection.unit_high > 1.5 ? 100.0 : 1.0)
                                : column.usual_high - column.usual_low;
@@ -167,16 +287,22 @@ double GloveRateHz(const Inspection& inspection) {
 std::vector<std::string> MappedChannels(const Inspection& inspection) {
   std::vector<std::string> names;
   for (const Channel& channel : KnownChannels()) {
-    for (const std::size_t c : inspection.MappedColumns()) {
-      if (inspection.columns[c].channel == channel.name) names.emplace_back(channel.name);
-    }
+    const bool is_mapped = std::ranges::any_of(inspection.MappedColumns(), [&](std::size_t c) {
+      const InspectedColumn& column = inspection.columns[c];
+      return column.channel == channel.name ||
+             std::ranges::any_of(column.mappings, [&](const ColumnMapping& mapping) {
+               return KnownChannels()[static_cast<std::size_t>(mapping.channel)].name ==
+                      channel.name;
+             });
+    });
+    if (is_mapped) names.emplace_back(channel.name);
   }
   return names;
 }
 
 /// Settings of the motion that depend on what was found in the recording.
 std::string MotionSettings(const Inspection& inspection, double glove_hz) {
-  constexpr double kLongest_s = 60.0;
+  constexpr double kLongest_s = 600.0;  // a comparison then takes minutes
   constexpr double kSmoothingHz = 5.0;
   constexpr double kShortestGap_ms = 100.0;
   constexpr double kLongestGap_ms = 1e7;  // upper limit of the setting
@@ -213,6 +339,7 @@ std::string HeadOfMap(const Inspection& inspection) {
       "# Written by gauntlet inspect. Language: docs/reference/column-maps.md.\n# unit: {}{} "
       "({})\n",
       NameOf(inspection.unit), inspection.unit_is_assumed ? ", assumed" : "", inspection.unit_why);
+  if (!inspection.profile.empty()) map += fmt::format("# profile: {}\n", inspection.profile);
   if (!inspection.question.empty()) {
     map += fmt::format("# Open: {}.\n", inspection.question);
   }
@@ -250,28 +377,29 @@ std::string YamlText(const std::string& text) {
 
 std::string StarterMap(const Inspection& inspection) {
   std::string map = HeadOfMap(inspection);
-  const std::string keys = MoreKeys(inspection);
-  map +=
-      fmt::format("column,channel,unit,sign,raw_low,raw_high,deg_low,deg_high,assumed{}\n", keys);
+  const std::vector<const MoreKey*> keys = MoreKeys(inspection);
+  map += "column,channel,unit,sign,raw_low,raw_high,deg_low,deg_high,assumed";
+  for (const MoreKey* key : keys) map.append(",").append(key->key);
+  map += "\n";
   std::string assumed;
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     const InspectedColumn& column = inspection.columns[c];
     const std::string shown =
         column.name.empty() ? "" : fmt::format(" '{}'", OneLine(column.name, 40));
     const bool is_time = !column.time_unit.empty();
-    const bool is_row = is_time || (column.is_sensor && !column.is_dead);
+    const bool is_row = IsRow(inspection, column);
     map += fmt::format("# column {}{}: {}{}{}\n", c + 1, shown, is_row ? "" : "left out, ",
                        is_time ? "the time, " + inspection.time_why : column.why,
                        is_row && column.basis == JointBasis::kAssumed ? " (assumed)" : "");
     if (!is_row) continue;
-    map += MapRow(inspection, c);
+    map += MapRows(inspection, c, keys);
     if (!is_time) assumed += AssumedOf(inspection, column);
   }
   if (!assumed.empty() && inspection.question.empty()) {
     map += fmt::format(
         "# Remove the # of the next line when all that is assumed is right.\n"
         "# all,confirmed,,,,,,,{}\n",
-        std::string(std::ranges::count(keys, ','), ','));
+        std::string(keys.size(), ','));
   }
   return map;
 }

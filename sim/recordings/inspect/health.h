@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "sim/recordings/inspect/inspection.h"
+
+namespace gauntlet::sim {
+
+/// A defect of a sensor, and what to do about it.
+struct HealthFinding {
+  std::size_t column = 0;
+  std::string key;       // dead, no_movement, lost, spikes, clipped, repeats or drift
+  double value = 0.0;    // share of the rows; of no_movement and drift: see the sentence
+  std::string sentence;  // "does not move: .."
+};
+
+/// Findings about the sensors of an inspection, the worst kind first. A healthy sensor has none.
+std::vector<HealthFinding> HealthOf(const Inspection& inspection);
+
+/// Range of the usual values in multiples of the noise; infinity without noise.
+double RangeOverNoise(const ColumnStatistics& statistics);
+
+/// True if a column, of no muscle, only has noise: it changes from row to row as white noise does,
+/// and its range is below ten times its noise. White noise alone has a range of about six.
+bool IsOnlyNoise(const InspectedColumn& column);
+
+/// Degrees of its joint per unit of a sensor; 0 if it drives none.
+double DegPerUnitOf(const Inspection& inspection, const InspectedColumn& column);
+
+}  // namespace gauntlet::sim
