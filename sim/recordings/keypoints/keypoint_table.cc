@@ -102,6 +102,23 @@ bool AreHands(const KeypointRows& rows, const std::vector<KeypointColumns>& hand
   return true;
 }
 
+/// True if the first rows of a text, if it has enough of them, are not those of hands: then the rest
+/// need not be read.
+bool BeginsWithoutHands(const std::string& name, std::string_view head,
+                        const std::vector<KeypointColumns>& hands) {
+  constexpr std::size_t kEnoughRows = 50;
+  const std::string_view lines = head.substr(0, head.rfind('\n') + 1);
+  const Table table = TableOfText({name, TextSource(lines), ProblemHandling::kRepair});
+  const KeypointRows rows = RowsOf(table, hands);
+  std::size_t whole = 0;
+  for (std::size_t k = 0; k < table.rows; ++k) {
+    whole += std::ranges::all_of(rows.points, [k](const std::vector<HandPoints>& points) {
+      return !points.empty() && points[k].allFinite();
+    });
+  }
+  return whole >= kEnoughRows && !AreHands(rows, hands);
+}
+
 /// Left or right by the geometry; empty for a hand that is in no frame or never bends.
 std::string SideOf(const std::vector<HandPoints>& points, double unit_m) {
   try {
@@ -229,6 +246,7 @@ TableInput AnglesOfKeypoints(const std::string& name, TableInput input) {
     KeypointLayout layout = FindKeypoints(names, quaternions);
     if (layout.has_several) throw UserError({.place = name, .problem = layout.problem});
     if (layout.hands.empty()) break;
+    if (!table && BeginsWithoutHands(name, head, layout.hands)) continue;
     if (!table) {
       text = head + BytesOf(*source);
       table = std::make_shared<const Table>(
