@@ -1,7 +1,5 @@
 #include "sim/tables/time_columns.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -47,7 +45,13 @@ bool IsJoined(std::string_view bare, std::string_view names, std::string_view en
 }  // namespace
 
 bool IsWordOf(std::string_view list, std::string_view word) {
-  return fmt::format(" {} ", list).find(fmt::format(" {} ", word)) != std::string::npos;
+  if (word.empty()) return list.empty();
+  for (std::size_t at = list.find(word); at != list.npos; at = list.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    const bool begins = at == 0 || list[at - 1] == ' ';
+    if (begins && (end == list.size() || list[end] == ' ')) return true;
+  }
+  return false;
 }
 
 std::string BareName(std::string_view name) {
