@@ -73,7 +73,6 @@ std::optional<std::string> Compute(const StudyCommand& options, FinishedStudy& f
   return FinishStudy({.seeds = options.seeds,
                       .jobs = JobsOrCores(options.jobs),
                       .causes = causes,
-                      .ceilings = options.verbose && !options.json,
                       .progress = [&](double done, int all) { return progress.Update(done, all); },
                       .note = [](const std::string& line) { Say("{}\n", line); },
                       .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); }},

@@ -72,10 +72,6 @@ std::optional<std::string> FinishStudy(const StudyWork& work, FinishedStudy& fin
       Summarise(finished.study, finished.result,
                 finished.comparison ? DivideRecording(finished.study, finished.result, work.jobs)
                                     : RecordingBlocks());
-  if (finished.comparison && work.ceilings) {
-    finished.ceilings = MeasurePredictionCeilings(
-        finished.study, finished.result, [&](const std::string& line) { Tell(work.remark, line); });
-  }
   finished.smoothing = RankBySmoothing(finished.study, finished.result);
   return not_kept;
 }

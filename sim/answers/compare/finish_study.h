@@ -13,7 +13,6 @@ struct StudyWork {
   int seeds = 1;
   int jobs = 1;
   CauseSeeds causes = CauseSeeds::kFirst;
-  bool ceilings = false;  // measure how much of a motion predictions use, where it is printed
   std::function<bool(double, int)> progress = {};     // see StudyOptions
   std::function<void(const std::string&)> note = {};  // a line about trials that are known already
   std::function<void(const std::string&)> remark = {};  // see StudyOptions

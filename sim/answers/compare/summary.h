@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "sim/answers/compare/comparison_answer.h"
-#include "sim/answers/compare/prediction_ceiling.h"
 #include "sim/answers/compare/recording_blocks.h"
 #include "sim/answers/compare/smoothing_ranking.h"
 #include "sim/score/priority.h"
@@ -83,10 +82,9 @@ struct FinishedStudy {
   Study study;
   StudyResult result;
   Summary summary;
-  bool comparison = false;                       // of several seeds, as asked; else one run
-  std::vector<PredictionCeiling> ceilings = {};  // of a comparison, if asked for
-  std::filesystem::path folder = {};             // of its files: paths in them are relative to it
-  std::vector<SmoothingRank> smoothing = {};     // where the reference is a smoothed recording
+  bool comparison = false;                    // of several seeds, as asked; else one run
+  std::filesystem::path folder = {};          // of its files: paths in them are relative to it
+  std::vector<SmoothingRank> smoothing = {};  // where the reference is a smoothed recording
 };
 
 }  // namespace gauntlet::sim

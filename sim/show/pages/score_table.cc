@@ -18,7 +18,6 @@
 #include "sim/score/statistics/result_cells.h"
 #include "sim/show/pages/controller_rows.h"
 #include "sim/show/pages/error_split_table.h"
-#include "sim/show/pages/prediction_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -409,9 +408,6 @@ ResultText ScoreText(const FinishedStudy& finished, bool verbose) {
   if (!verbose) return text;
   text.emplace_back(MeansTable(summary));
   for (const std::string& note : Notes(finished)) AddLine(note, text);
-  for (const PredictionCeiling& ceiling : finished.ceilings) {
-    AddLine(PredictionText(ceiling), text);
-  }
   text.emplace_back(ErrorSplitTable(summary));
   return text;
 }
