@@ -179,16 +179,14 @@ void BindSearches(py::module_& module) {
       "sweep",
       [](const std::string& file, const std::optional<std::string>& text,
          const std::vector<std::string>& overrides, const std::optional<int>& seeds,
-         bool filter_only, bool all_seeds, int jobs, const std::string& out, bool allow_programs,
+         bool filter_only, int jobs, const std::string& out, bool allow_programs,
          const py::dict& filters, const py::object& on_progress) {
-        return Sweep(
-            {file, text},
-            {.seeds = seeds, .filter_only = filter_only, .all_seeds = all_seeds, .set = overrides},
-            jobs, out, {allow_programs, OwnObjectsOf(filters)}, on_progress);
+        return Sweep({file, text}, {.seeds = seeds, .filter_only = filter_only, .set = overrides},
+                     jobs, out, {allow_programs, OwnObjectsOf(filters)}, on_progress);
       },
       py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("seeds"),
-      py::arg("filter_only"), py::arg("all_seeds"), py::arg("jobs"), py::arg("out"),
-      py::arg("allow_programs"), py::arg("filters"), py::arg("on_progress"));
+      py::arg("filter_only"), py::arg("jobs"), py::arg("out"), py::arg("allow_programs"),
+      py::arg("filters"), py::arg("on_progress"));
 }
 
 }  // namespace gauntlet::python

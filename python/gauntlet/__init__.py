@@ -223,20 +223,19 @@ def tune(scenario: Settings, *, controller: str = "", free: Union[Mapping[str, s
 
 
 def sweep(study: Settings, *, set: Overrides = None, seeds: Optional[int] = None, filter_only: bool = False,
-          all_seeds: bool = False, jobs: int = 0, out: Union[None, str, "os.PathLike[str]"] = None,
+          jobs: int = 0, out: Union[None, str, "os.PathLike[str]"] = None,
           allow_programs: bool = False, progress: Progress = None) -> SweepResult:
     """Runs a study file: many settings of a scenario.
 
-    seeds      number of them; None: as in the study file
-    all_seeds  run all seeds, also of statistically excluded settings
-    out        folder for the files of `gauntlet sweep`, which the same call continues; None: no files
+    seeds  number of them; None: as in the study file
+    out    folder for the files of `gauntlet sweep`, which the same call continues; None: no files
     """
     if seeds is not None and seeds < 1:
         raise SettingError("seeds", "", f"is {seeds}, must be 1 or more")
     if out is None:
         with tempfile.TemporaryDirectory(prefix="gauntlet-") as folder:
-            return _sweep(study, set, seeds, filter_only, all_seeds, jobs, folder, None, allow_programs, progress)
-    return _sweep(study, set, seeds, filter_only, all_seeds, jobs, os.fspath(out), os.fspath(out), allow_programs,
+            return _sweep(study, set, seeds, filter_only, jobs, folder, None, allow_programs, progress)
+    return _sweep(study, set, seeds, filter_only, jobs, os.fspath(out), os.fspath(out), allow_programs,
                   progress)
 
 
@@ -284,10 +283,10 @@ def _run(comparison, scenario, set, controllers, seeds, jobs, causes, out, csv, 
     return StudyResult(study, remarks, folder)
 
 
-def _sweep(study, set, seeds, filter_only, all_seeds, jobs, folder, shown, allow_programs, progress) -> SweepResult:
+def _sweep(study, set, seeds, filter_only, jobs, folder, shown, allow_programs, progress) -> SweepResult:
     filters = _Filters()
     with _Line(progress, "sweep") as told:
-        found = _core.sweep(*_source(study, "study", filters), _overrides(set, filters), seeds, filter_only, all_seeds,
+        found = _core.sweep(*_source(study, "study", filters), _overrides(set, filters), seeds, filter_only,
                             _jobs(jobs), folder, allow_programs, filters.core(), told)
     _remark(found["remarks"])
     return SweepResult(found, shown)

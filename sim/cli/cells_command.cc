@@ -6,7 +6,6 @@
 #include <fstream>
 
 #include "controller/number.h"
-#include "sim/answers/sweep/early_stop.h"
 #include "sim/answers/sweep/sweep_tables.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
@@ -117,11 +116,9 @@ void CellsFolder::Run() {
               .cells = cells_,
               .forecast =
                   [&](const SweepForecast& forecast) {
-                    Say("{} settings x {} seeds: {:.0f} trials to run{}, with noise-free reference "
-                        "runs; "
-                        "about {} with {} at a time\n",
+                    Say("{} settings x {} seeds: {:.0f} trials to run, with noise-free reference "
+                        "runs; about {} with {} at a time\n",
                         cells_.end - cells_.first, plan_.file.seeds, forecast.trials,
-                        plan_.early_stop && !LooksOf(plan_.file.seeds).empty() ? " at most" : "",
                         TimeText(forecast.seconds), jobs);
                   },
               .progress = [&](double done, double all) { return progress.Update(done, all); },

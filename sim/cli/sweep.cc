@@ -33,7 +33,6 @@ struct SweepCommand {
   int seeds = 0;  // 0: as the file says
   std::int64_t max_cells = 10'000;
   bool filter_only = false;
-  bool all_seeds = false;
   bool json = false;
   bool slurm = false;
   bool dry_run = false;
@@ -51,8 +50,6 @@ struct SweepCommand {
         Option("--max-cells", &max_cells, {.range = {1, 1'000'000'000}},
                "limit of the number of settings [10000]"),
         Option("--filter-only", &filter_only, {}, "score the filter outputs, without the hand"),
-        Option("--all-seeds", &all_seeds, {},
-               "run all seeds, also of statistically excluded settings"),
         cells.Rows(),
         Option("--json", &json, {}, "print JSON instead of the answer"),
         Option("--slurm", &slurm, {}, "submit the shards to Slurm as a job array"),
@@ -116,7 +113,6 @@ std::vector<std::string> OptionsOfCells(const SweepCommand& command) {
   for (const std::string& set : command.set) add("--set", set);
   if (command.cells.allow_programs) words.emplace_back("--allow-programs");
   if (command.filter_only) words.emplace_back("--filter-only");
-  if (command.all_seeds) words.emplace_back("--all-seeds");
   return words;
 }
 
@@ -182,10 +178,7 @@ void SubmitSweep(const SweepCommand& command, const SweepPlan& plan) {
 void RunSweepCommand(const SweepCommand& command) {
   if (command.cells.allow_programs) AllowPrograms();
   CheckSlurmOptions(command);
-  SweepOverrides overrides{.seeds = {},
-                           .filter_only = command.filter_only,
-                           .all_seeds = command.all_seeds,
-                           .set = command.set};
+  SweepOverrides overrides{.seeds = {}, .filter_only = command.filter_only, .set = command.set};
   if (command.seeds > 0) overrides.seeds = command.seeds;
   const SweepPlan plan = LoadSweepPlan(ReadyFile(command.file, "studies", "study"), overrides);
   CheckSize(plan, command);

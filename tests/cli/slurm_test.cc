@@ -170,7 +170,7 @@ class SlurmTest : public testing::Test {
   }
   ProgramResult Sweep(const std::vector<std::string>& more,
                       const std::map<std::string, std::string>& environment = {}) const {
-    std::vector<std::string> command = {GAUNTLET_PROGRAM, "sweep", "short.yaml", "--all-seeds"};
+    std::vector<std::string> command = {GAUNTLET_PROGRAM, "sweep", "short.yaml"};
     command.insert(command.end(), more.begin(), more.end());
     return RunProgram(command, {.environment = environment, .working_directory = folder_.path()});
   }
@@ -244,7 +244,7 @@ TEST_F(SlurmTest, ADryRunPrintsTheScriptAndLeavesNothing) {
   for (const char* part :
        {"#SBATCH --array=1,2,3,4\n", "#SBATCH --requeue\n", "#SBATCH --partition=night\n",
         "/it's 100 %%/slurm/shard-%a-of-4.log\"", "/it'\\''s 100 %/slurm'/shard-$shard-of-4\n",
-        "--seeds 2 ", "--set 'glove.rate_hz=500' ", "--all-seeds --shard \"$shard/4\""}) {
+        "--seeds 2 ", "--set 'glove.rate_hz=500' ", "--shard \"$shard/4\""}) {
     EXPECT_THAT(result.standard_output, HasSubstr(part));
   }
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), {}), 1);

@@ -178,6 +178,11 @@ TEST_F(SweepTest, RefusesWhatMakesNoSenseAndSaysWhere) {
               HasSubstr("a grid has all its settings"));
 }
 
+TEST_F(SweepTest, ReadsFilesOfEarlierVersionsThatAskForAllSeeds) {
+  EXPECT_EQ(Problem(With("physics: false", "all_seeds: true")), "");
+  EXPECT_THAT(Problem("- all_seeds"), HasSubstr("other.yaml:1:1"));
+}
+
 TEST_F(SweepTest, KeepsACellThatCannotBeBuiltWithItsReason) {
   const SweepPlan plan = LoadSweepPlan(Path("sweep.yaml"));
   SweepDatabase database(Path("a.db"), HashOfSweep(plan), plan.metrics);
@@ -212,7 +217,6 @@ question: How long may the mean be?
 scenario: base.yaml
 controllers: [raw, mean]
 seeds: 8
-all_seeds: true
 physics: false
 axes: [{key: controllers.mean.filter.window, values: [200, 1, 0, 3]}]
 scores: [tracking_rmse_deg]

@@ -59,12 +59,6 @@ std::vector<std::size_t> AddControllers(const ReadCell& cell, CellBlock& block) 
   return places;
 }
 
-void LeaveOut(const StoppedCandidates& stopped, std::int64_t cell, Scenario& scenario) {
-  std::erase_if(scenario.controllers, [&](const NamedController& named) {
-    return stopped.contains({cell, named.name});
-  });
-}
-
 }  // namespace
 
 Study PrepareShared(Scenario scenario) {
@@ -123,7 +117,7 @@ const CellBlocks::SharedStudy& CellBlocks::SharedOf(std::int64_t cell, const Sce
   return shared_.emplace(SharedStudy{std::move(values), std::move(study), std::move(hash)});
 }
 
-CellBlock CellBlocks::Build(const CellRange& cells, int jobs, const StoppedCandidates& stopped) {
+CellBlock CellBlocks::Build(const CellRange& cells, int jobs) {
   CellBlock block;
   const std::vector<std::int64_t> numbers = cells.Numbers();
   std::vector<ReadCell> read(numbers.size());
@@ -134,7 +128,6 @@ CellBlock CellBlocks::Build(const CellRange& cells, int jobs, const StoppedCandi
   for_each([&](std::size_t i) {
     ThrowIfStopped();
     read[i].scenario = ScenarioWith(plan_.OverridesOf(numbers[i]));
-    LeaveOut(stopped, numbers[i], read[i].scenario);
   });
   for (std::size_t i = 0; i < read.size() && !block.study; ++i) {
     Try(read[i], [&] {

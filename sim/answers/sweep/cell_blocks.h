@@ -1,18 +1,13 @@
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "sim/answers/sweep/sweep_plan.h"
 #include "sim/study/study.h"
 
 namespace gauntlet::sim {
-
-/// Cell and controller of what gets no more seeds, and how many it has.
-using StoppedCandidates = std::map<std::pair<std::int64_t, std::string>, int>;
 
 /// The controllers of a range of cells as one study, each once however many cells have it.
 struct CellBlock {
@@ -45,9 +40,9 @@ class CellBlocks {
   Scenario BaseScenario() const;
   /// The longest block that begins with the first of these cells.
   CellRange BlockFrom(const CellRange& cells) const;
-  /// Reads the cells on `jobs` threads, without what is stopped. A cell that cannot be built has a
-  /// problem. Errors: Cancelled.
-  CellBlock Build(const CellRange& cells, int jobs, const StoppedCandidates& stopped);
+  /// Reads the cells on `jobs` threads. A cell that cannot be built has a problem.
+  /// Errors: Cancelled.
+  CellBlock Build(const CellRange& cells, int jobs);
 
  private:
   /// A study without controllers, of all cells that have these values of the axes that controllers

@@ -51,8 +51,6 @@ void SweepFile::Visit(SettingsVisitor& visitor) {
                    .min = 1,
                    .max = 100000},
                   seeds);
-  visitor.Flag({.key = "all_seeds", .help = "true: no early stop, all settings get all seeds"},
-               all_seeds);
   visitor.Flag(
       {.key = "physics", .help = "false: no hand; what the filters give is scored as it is"},
       physics);
@@ -305,7 +303,8 @@ SweepPlan LoadSweepPlan(const std::filesystem::path& path, const SweepOverrides&
 
 SweepPlan ParseSweepPlan(const std::filesystem::path& path, std::string_view text,
                          const SweepOverrides& overrides) {
-  const YamlNode root = ParseYaml(path, text);
+  YamlNode root = ParseYaml(path, text);
+  if (root.IsMap()) root = WithoutChild(root, "all_seeds");  // a key of version 0.3
   const YamlSource source{.file = path};
   SweepPlan plan;
   SweepFile& file = plan.file;
@@ -313,7 +312,6 @@ SweepPlan ParseSweepPlan(const std::filesystem::path& path, std::string_view tex
   ReadAll(root, source, file);
   if (overrides.seeds) file.seeds = *overrides.seeds;
   if (overrides.filter_only) file.physics = false;
-  plan.early_stop = !overrides.all_seeds && !file.all_seeds;
   try {
     if (const std::string problem = NameProblem(file.name); !problem.empty()) {
       throw SettingError("name", problem);

@@ -50,9 +50,8 @@ struct SweepFile {
   std::string scenario;                  // path of the base scenario
   std::vector<std::string> set;          // --set for all cells
   std::vector<std::string> controllers;  // empty: all of the scenario
-  int seeds = 8;           // the scenario's and those after it, the same for all cells
-  bool all_seeds = false;  // no early stop, where every cell is part of the answer
-  bool physics = true;     // see StudyOptions
+  int seeds = 8;        // the scenario's and those after it, the same for all cells
+  bool physics = true;  // see StudyOptions
   Design design = Design::kGrid;
   int cells = 0;  // of a random or a Sobol design
   int design_seed = 1;
@@ -72,7 +71,6 @@ struct SweepPlan {
   std::size_t best_by = 0;           // in Metrics()
   std::vector<Constraint> constraints;
   std::vector<std::string> axis_places;  // `file:line:column` of each axis
-  bool early_stop = false;  // cells that cannot win any more get no more seeds: early_stop.h
   /// The cells themselves, each with a value for each axis; empty: those of the file's design.
   std::vector<std::vector<std::string>> listed;
 
@@ -88,7 +86,6 @@ struct SweepPlan {
 struct SweepOverrides {
   std::optional<int> seeds;
   bool filter_only = false;
-  bool all_seeds = false;  // no early stop
   std::vector<std::string> set;
 };
 

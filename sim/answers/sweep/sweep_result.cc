@@ -16,18 +16,17 @@ constexpr std::size_t kMostNear = 3;
 
 Met Worse(Met a, Met b) { return std::max(a, b); }
 
-/// Sort key: stopped settings come last, then the score that decides, the lower the better,
-/// infinity if there is none.
-std::pair<bool, double> Rank(const SweepPlan& plan, const CellResult& result) {
+/// Score that decides, the lower the better, infinity if there is none.
+double Rank(const SweepPlan& plan, const CellResult& result) {
   const double mean = result.scores[PlaceOfMetric(plan, plan.best_by)].mean;
-  if (std::isnan(mean)) return {result.stopped, std::numeric_limits<double>::infinity()};
-  return {result.stopped, Metrics()[plan.best_by].lower_is_better ? mean : -mean};
+  if (std::isnan(mean)) return std::numeric_limits<double>::infinity();
+  return Metrics()[plan.best_by].lower_is_better ? mean : -mean;
 }
 
 /// Keeps the first few by rank; of equal ones the first cell.
 void Offer(const SweepPlan& plan, const CellResult& result, std::size_t most,
            std::vector<CellResult>& kept) {
-  const std::pair<bool, double> rank = Rank(plan, result);
+  const double rank = Rank(plan, result);
   const auto place =
       std::ranges::find_if(kept, [&](const CellResult& other) { return rank < Rank(plan, other); });
   if (place == kept.end() && kept.size() == most) return;
@@ -61,7 +60,13 @@ CellResult ResultOf(const SweepPlan& plan, SweepDatabase& database, int first_se
       result.by_seed[m].push_back(ok ? outcome->scores.summary[plan.metrics[m]] : kNaN);
     }
   }
-  KeepSeeds(plan, result.motions.size(), result);
+  for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
+    result.scores[m] = EstimateMean(result.by_seed[m], result.motions).IntervalAt();
+  }
+  for (const Constraint& constraint : plan.constraints) {
+    result.met =
+        Worse(result.met, IsMet(constraint, result.scores[PlaceOfMetric(plan, constraint.metric)]));
+  }
   return result;
 }
 
@@ -74,10 +79,6 @@ void Count(const SweepPlan& plan, const CellResult& result, SweepSummary& summar
     return;
   }
   ++summary.results;
-  if (result.stopped) {
-    ++summary.stopped;
-    summary.trials_saved += plan.file.seeds - std::ssize(result.motions);
-  }
   if (result.CanBeBest()) {
     ++summary.meeting;
     Offer(plan, result, kMostBest, summary.best);
@@ -91,20 +92,6 @@ void Count(const SweepPlan& plan, const CellResult& result, SweepSummary& summar
 std::size_t PlaceOfMetric(const SweepPlan& plan, std::size_t metric) {
   const auto found = std::ranges::find(plan.metrics, metric);
   return static_cast<std::size_t>(found - plan.metrics.begin());
-}
-
-void KeepSeeds(const SweepPlan& plan, std::size_t seeds, CellResult& result) {
-  result.motions.resize(std::min(seeds, result.motions.size()));
-  result.stopped = std::ssize(result.motions) < plan.file.seeds;
-  result.met = Met::kYes;
-  for (std::size_t m = 0; m < result.by_seed.size(); ++m) {
-    result.by_seed[m].resize(result.motions.size());
-    result.scores[m] = EstimateMean(result.by_seed[m], result.motions).IntervalAt();
-  }
-  for (const Constraint& constraint : plan.constraints) {
-    result.met =
-        Worse(result.met, IsMet(constraint, result.scores[PlaceOfMetric(plan, constraint.metric)]));
-  }
 }
 
 std::string_view MetText(Met met) {

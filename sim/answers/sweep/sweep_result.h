@@ -33,31 +33,23 @@ struct CellResult {
   int failed_trials = 0;                     // their hands were stopped: it cannot be the best
   std::string problem;                       // why it could not be built, or the first trial failed
 
-  /// Fewer seeds than were asked for: it could not win any more, or all seeds are alike.
-  bool stopped = false;
-
   bool CanBeBest() const { return problem.empty() && (met == Met::kYes || met == Met::kLikely); }
 };
 
 /// The result of a sweep without the cells themselves.
 struct SweepSummary {
-  std::vector<CellResult> best;   // up to ten that keep all constraints, the best first
-  std::vector<CellResult> near;   // none does: up to three that are nearest in best_by
-  std::int64_t results = 0;       // controllers of cells with scores
-  std::int64_t meeting = 0;       // of these, that keep all constraints (yes or likely)
-  std::int64_t not_built = 0;     // cells
-  std::int64_t failed = 0;        // controllers of cells, whose trials failed
-  std::int64_t stopped = 0;       // controllers of cells, with fewer seeds than were asked for
-  std::int64_t trials_saved = 0;  // by that
-  std::int64_t missing = 0;       // cells that the database does not hold: another shard's
-  std::string first_problem;      // of those not built or failed
+  std::vector<CellResult> best;  // up to ten that keep all constraints, the best first
+  std::vector<CellResult> near;  // none does: up to three that are nearest in best_by
+  std::int64_t results = 0;      // controllers of cells with scores
+  std::int64_t meeting = 0;      // of these, that keep all constraints (yes or likely)
+  std::int64_t not_built = 0;    // cells
+  std::int64_t failed = 0;       // controllers of cells, whose trials failed
+  std::int64_t missing = 0;      // cells that the database does not hold: another shard's
+  std::string first_problem;     // of those not built or failed
 };
 
 /// The place of a score in the plan's metrics.
 std::size_t PlaceOfMetric(const SweepPlan& plan, std::size_t metric);
-
-/// Drops all but the first seeds.
-void KeepSeeds(const SweepPlan& plan, std::size_t seeds, CellResult& result);
 
 /// Reads the cells in order, one at a time.
 void ForEachCell(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,

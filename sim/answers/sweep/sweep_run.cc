@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <utility>
 
 #include "sim/answers/sweep/cell_blocks.h"
-#include "sim/answers/sweep/early_stop.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/stop.h"
@@ -46,33 +44,22 @@ class BlockStore final : public TrialStore {
 class Sweep {
  public:
   Sweep(const SweepPlan& plan, SweepDatabase& database, const SweepOptions& options)
-      : plan_(plan), blocks_(plan), database_(database), options_(options) {
+      : plan_(plan),
+        blocks_(plan),
+        database_(database),
+        options_(options),
+        seeds_(plan.file.seeds) {
     const Scenario scenario = blocks_.BaseScenario();
     first_seed_ = scenario.seed;
     const bool twins = scenario.score.noise_free_twin && !IsWithoutNoise(scenario.glove) &&
                        std::ranges::any_of(plan.metrics, NeedsNoiseFreeTwin);
     per_trial_ = twins ? 2.0 : 1.0;
     controllers_ = std::ssize(scenario.controllers);
-    all_ = per_trial_ * plan.file.seeds *
+    all_ = per_trial_ * seeds_ *
            static_cast<double>(controllers_ * (options.cells.end - options.cells.first));
   }
 
   void Run() {
-    const std::vector<int> looks =
-        plan_.early_stop ? LooksOf(plan_.file.seeds) : std::vector<int>();
-    for (const int seeds : looks) {
-      RunSeeds(seeds);
-      StopWhatCannotWin(looks.size());
-    }
-    RunSeeds(plan_.file.seeds);
-    ForgetSeedsBehindStops();
-    database_.Flush();
-  }
-
- private:
-  /// The first so many seeds of all that is not stopped.
-  void RunSeeds(int seeds) {
-    const double before = std::exchange(seeds_, seeds);
     for (std::int64_t first = options_.cells.first; first < options_.cells.end;) {
       ThrowIfStopped();
       const CellRange cells = blocks_.BlockFrom({first, options_.cells.end});
@@ -80,49 +67,14 @@ class Sweep {
       if (!std::ranges::all_of(numbers, [this](auto cell) { return IsKnown(cell); })) {
         RunBlock(cells);
       }
-      for (const std::int64_t cell : numbers) {
-        done_ +=
-            per_trial_ * (seeds - before) * static_cast<double>(controllers_ - StoppedIn(cell));
-      }
+      done_ += per_trial_ * seeds_ * static_cast<double>(controllers_ * std::ssize(numbers));
       Progress(0.0);
       first = cells.end;
     }
+    database_.Flush();
   }
 
-  std::int64_t StoppedIn(std::int64_t cell) const {
-    return std::distance(stopped_.lower_bound({cell, ""}), stopped_.lower_bound({cell + 1, ""}));
-  }
-  bool IsStopped(std::int64_t cell, const std::string& controller) const {
-    return stopped_.contains({cell, controller});
-  }
-
-  void StopWhatCannotWin(std::size_t looks) {
-    std::vector<CellResult> alive;
-    ForEachCell(plan_, database_, options_.cells, [&](CellResult result) {
-      if (result.controller.empty() || IsStopped(result.number, result.controller)) return;
-      KeepSeeds(plan_, static_cast<std::size_t>(seeds_), result);
-      alive.push_back(std::move(result));
-    });
-    if (candidates_ == 0) candidates_ = alive.size();
-    const std::vector<bool> cannot = CannotWin(plan_, alive, candidates_, looks);
-    for (std::size_t i = 0; i < alive.size(); ++i) {
-      if (!cannot[i]) continue;
-      stopped_[{alive[i].number, alive[i].controller}] = seeds_;
-      all_ -= per_trial_ * (plan_.file.seeds - seeds_);
-    }
-  }
-
-  /// Another schedule, a shard or a run with all seeds may have brought more than the test gives.
-  void ForgetSeedsBehindStops() {
-    for (const auto& [candidate, seeds] : stopped_) {
-      for (SweepCellRecord& record : database_.CellAt(candidate.first)) {
-        if (record.controller != candidate.second || std::ssize(record.motions) <= seeds) continue;
-        record.motions.resize(static_cast<std::size_t>(seeds));
-        database_.AddCell(record, ValuesByKey(candidate.first));
-      }
-    }
-  }
-
+ private:
   bool Progress(double more) {
     return !options_.progress || options_.progress(std::min(done_ + more, all_), all_);
   }
@@ -131,7 +83,7 @@ class Sweep {
   bool IsKnown(std::int64_t cell) {
     const std::vector<SweepCellRecord> records = database_.CellAt(cell);
     return !records.empty() && std::ranges::all_of(records, [&](const SweepCellRecord& record) {
-      if (!record.problem.empty() || IsStopped(cell, record.controller)) return true;
+      if (!record.problem.empty()) return true;
       if (std::ssize(record.motions) < seeds_) return false;
       const auto trials =
           database_.Read({record.study, record.controller, record.settings, first_seed_}, seeds_);
@@ -185,7 +137,7 @@ class Sweep {
   }
 
   void RunBlock(const CellRange& cells) {
-    const CellBlock block = blocks_.Build(cells, options_.jobs, stopped_);
+    const CellBlock block = blocks_.Build(cells, options_.jobs);
     std::vector<int> motions;
     if (!block.settings.empty()) {
       BlockStore store(block, database_);
@@ -236,12 +188,10 @@ class Sweep {
   CellBlocks blocks_;
   SweepDatabase& database_;
   const SweepOptions& options_;
+  const int seeds_;
   int first_seed_ = 0;
   double per_trial_ = 1.0;        // runs: with a twin two
   std::int64_t controllers_ = 1;  // of each cell
-  int seeds_ = 0;                 // that are run now, from the first on
-  std::size_t candidates_ = 0;    // for the best, at the first look
-  StoppedCandidates stopped_;
   double all_ = 0.0;
   double done_ = 0.0;  // of blocks that are finished
   bool forecast_done_ = false;

@@ -31,8 +31,6 @@ struct SweepOptions {
 std::string HashOfSweep(const SweepPlan& plan);
 
 /// Runs what the database lacks of these cells. One that cannot be built is kept with its reason.
-/// With plan.early_stop a controller of a cell that cannot win any more gets no more seeds, by what
-/// all of these cells do (see CannotWin()); the database says how many seeds each has.
 /// Cells that differ in controllers alone share glove, hand and one call of RunStudy().
 /// The final content of the database does not depend on jobs, order or interruptions.
 void RunSweep(const SweepPlan& plan, SweepDatabase& database, const SweepOptions& options);

@@ -14,12 +14,12 @@
 namespace gauntlet::sim {
 namespace {
 
-std::vector<ResultColumn> CellColumns(const SweepPlan& plan, bool some_stopped) {
+std::vector<ResultColumn> CellColumns(const SweepPlan& plan) {
   std::vector<ResultColumn> columns = {{"cell", "no."}, {"controller", "controller"}};
   for (std::size_t a = 0; a < plan.file.axes.size(); ++a) {
     columns.push_back(ResultColumn(plan.file.axes[a].key, ShortKey(plan, a)).In("settings"));
   }
-  columns.push_back({"seeds", some_stopped ? "seeds" : ""});
+  columns.push_back({"seeds"});
   for (ResultColumn& column : MetricColumns(plan.metrics, "scores")) {
     columns.push_back(std::move(column));
   }
@@ -64,14 +64,6 @@ void AddCounts(const SweepPlan& plan, const SweepSummary& summary, ResultText& t
     AddLine(fmt::format("Simulations failed in {}.", Cells(summary.failed)), text);
   }
   AddLine(summary.first_problem, text);
-  if (summary.stopped > 0 && summary.stopped < summary.results) {
-    AddLine(
-        fmt::format("{} of {} settings were statistically excluded before all seeds were run. This "
-                    "saved {} of {} trials (sequential test, 5 %; --all-seeds runs all).",
-                    summary.stopped, summary.results, summary.trials_saved,
-                    summary.results * plan.file.seeds),
-        text);
-  }
   if (summary.missing > 0) AddLine(Cells(summary.missing) + " have no result yet.", text);
 }
 
@@ -166,9 +158,8 @@ std::string ShortKey(const SweepPlan& plan, std::size_t axis) {
 }
 
 ResultTable BestCells(const SweepPlan& plan, const SweepSummary& summary) {
-  const bool some_stopped = summary.stopped > 0 && summary.stopped < summary.results;
   const std::vector<CellResult>& shown = summary.best.empty() ? summary.near : summary.best;
-  ResultTable table{.columns = CellColumns(plan, some_stopped), .rows = {}, .names = 2};
+  ResultTable table{.columns = CellColumns(plan), .rows = {}, .names = 2};
   for (const CellResult& result : shown) {
     table.rows.push_back(RowOf(result));
     const auto& [difference, judgement] =
@@ -182,7 +173,7 @@ ResultTable BestCells(const SweepPlan& plan, const SweepSummary& summary) {
 
 SweepSummary WriteCellsCsv(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
                            const std::function<void(std::string_view)>& write) {
-  const std::vector<ResultColumn> columns = CellColumns(plan, false);
+  const std::vector<ResultColumn> columns = CellColumns(plan);
   write(CsvHead(columns));
   return SummariseSweep(plan, database, cells,
                         [&](const CellResult& result) { write(CsvRow(columns, RowOf(result))); });
@@ -202,7 +193,6 @@ void WriteSweepJson(const SweepPlan& plan, SweepDatabase& database, const CellRa
                {"meeting", summary.meeting},
                {"not_built", summary.not_built},
                {"failed", summary.failed},
-               {"stopped", summary.stopped},
                {"missing", summary.missing},
                {"verdict", JsonOf(VerdictOf(plan, summary))},
                {"best", Json::array()}};
@@ -213,7 +203,7 @@ void WriteSweepJson(const SweepPlan& plan, SweepDatabase& database, const CellRa
   std::string text = head.dump(1);
   text.erase(text.find_last_of('\n'));  // the brace, as the cells follow
   write(text + ",\n \"cells\": [");
-  const std::vector<ResultColumn> columns = CellColumns(plan, false);
+  const std::vector<ResultColumn> columns = CellColumns(plan);
   const char* before = "\n";
   ForEachCell(plan, database, cells, [&](const CellResult& result) {
     write(before + JsonOf(columns, RowOf(result)).dump());

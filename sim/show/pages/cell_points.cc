@@ -76,7 +76,7 @@ double CellPoints::RankOf(const CellPoint& point) const {
 }
 
 void CellPoints::AddToHeatMaps(const CellPoint& point, const Order& order) {
-  const auto& [no_answer, breaks_bounds, stopped, rank, number] = order;
+  const auto& [no_answer, breaks_bounds, rank, number] = order;
   if (breaks_bounds || !std::isfinite(rank)) return;
   for (Pair& pair : pairs_) {
     const auto x = sides_[pair.x].ColumnOf(point.values[pair.x]);

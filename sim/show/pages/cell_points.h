@@ -21,7 +21,6 @@ struct CellPoint {
   std::vector<double> scores;       // of the page's metrics
   bool is_answer = false;           // of the verdict: it comes first
   bool keeps_bounds = true;
-  bool stopped = false;
   std::string yaml;
   std::string command;
 };
@@ -48,7 +47,7 @@ class CellPoints {
   template <class Texts>
   void Add(CellPoint point, const Texts& texts) {
     const std::int64_t number = seen_++;
-    const Order order{!point.is_answer, !point.keeps_bounds, point.stopped, RankOf(point), number};
+    const Order order{!point.is_answer, !point.keeps_bounds, RankOf(point), number};
     AddToHeatMaps(point, order);
     const bool is_sample = number % every_ == 0;
     const bool is_good = kept_.size() < kPagePoints / 2 || order < worst_good_;
@@ -60,8 +59,8 @@ class CellPoints {
 
   void Finish() { DropSome(); }
 
-  /// The answer first, then what keeps all bounds, then what was not stopped, then by the score.
-  using Order = std::tuple<bool, bool, bool, double, std::int64_t>;
+  /// The answer first, then what keeps all bounds, then by the score.
+  using Order = std::tuple<bool, bool, double, std::int64_t>;
   struct Kept {
     Order order;
     std::int64_t number;
@@ -97,7 +96,7 @@ class CellPoints {
   std::size_t best_by_;
   std::int64_t every_;
   std::int64_t seen_ = 0;
-  Order worst_good_{true, true, true, std::numeric_limits<double>::infinity(), 0};
+  Order worst_good_{true, true, std::numeric_limits<double>::infinity(), 0};
   std::vector<HeatSide> sides_;
   std::vector<Pair> pairs_;
   std::vector<Kept> kept_;

@@ -50,7 +50,6 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
                     .values = result.values,
                     .scores = MeansOf(result.scores),
                     .keeps_bounds = result.CanBeBest(),
-                    .stopped = result.stopped,
                     .yaml = {},
                     .command = {}};
     if (several) point.values.push_back(result.controller);
