@@ -268,16 +268,4 @@ void UseCommonParts(std::span<Scores* const> trials) {
   }
 }
 
-Scores TrackingScores(std::span<const double> mean_square_error_rad2, const ScoreRows& table) {
-  GAUNTLET_ASSERT(mean_square_error_rad2.size() == table.joints.size());
-  const std::size_t metric = MetricIndex("tracking_rmse_deg");
-  Scores scores = NoScores(table);
-  for (std::size_t joint = 0; joint < table.joints.size(); ++joint) {
-    scores.channels[table.joints[joint]][metric] =
-        kDegPerRad * std::sqrt(mean_square_error_rad2[joint]);
-  }
-  scores.summary = MeansOver(scores.channels);
-  return scores;
-}
-
 }  // namespace gauntlet::sim

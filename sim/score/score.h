@@ -153,8 +153,4 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& rows,
 /// keeps none and does not limit the others. Trials without rows stay as they are.
 void UseCommonParts(std::span<Scores* const> trials);
 
-/// The tracking error alone, of joints whose mean square error is known already: the same bits as
-/// ComputeScores() gives. Shape: one per joint of `rows`.
-Scores TrackingScores(std::span<const double> mean_square_error_rad2, const ScoreRows& rows);
-
 }  // namespace gauntlet::sim

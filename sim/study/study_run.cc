@@ -22,17 +22,6 @@
 namespace gauntlet::sim {
 namespace {
 
-std::size_t JobsOf(const StudyOptions& options) {
-  return static_cast<std::size_t>(std::max(1, options.jobs));
-}
-
-/// True if only the tracking error of trials without a hand is wanted. Then it is summed up while
-/// they run, and their angles are not kept.
-bool IsInPassing(const StudyOptions& options) {
-  return !options.physics && !options.keep_first_traces && options.left_out.empty() &&
-         options.scores == std::vector{MetricIndex("tracking_rmse_deg")};
-}
-
 /// None of a trial that ended early. Moves the signals of a trace that is not needed any more.
 template <class AnyTrace>
 std::optional<NoiseFreeTwin> AsTwin(AnyTrace&& trace) {
@@ -77,10 +66,9 @@ class StudyRun {
   StudyRun(const Study& study, const StudyOptions& options)
       : study_(study),
         options_(options),
-        in_passing_(IsInPassing(options)),
         cause_trials_(study),
         queue_(static_cast<std::size_t>(options.seeds), study.scenario.controllers.size(),
-               ControllersTogether(options, study.scenario.controllers.size()), JobsOf(options)) {
+               static_cast<std::size_t>(std::max(1, options.jobs))) {
     const std::size_t controllers = study.scenario.controllers.size();
     result_.row_names = study.rows.names;
     for (const NamedController& c : study.scenario.controllers) {
@@ -155,11 +143,7 @@ class StudyRun {
   }
 
   void RunTask(TrialTask& task) {
-    std::vector<std::size_t> unknown;
-    for (std::size_t c = task.first; c < task.end; ++c) {
-      if (!Recall(task.seed_index, c)) unknown.push_back(c);
-    }
-    if (unknown.empty()) return;
+    if (Recall(task.seed_index, task.controller)) return;
     Make(task.gloves, task.seed_index);
     if (task.next) {
       const std::size_t next = task.seed_index + 1;
@@ -169,8 +153,7 @@ class StudyRun {
       }
       task.next.reset();
     }
-    if (in_passing_) return RunInPassing(task, unknown);
-    RunWhole(task, unknown.front());  // the only one
+    RunTrialOf(task);
   }
 
   int SeedOf(const TrialTask& task) const { return result_.seeds[task.seed_index].seed; }
@@ -179,18 +162,19 @@ class StudyRun {
   }
 
   /// One trial, with the signals that its scores need.
-  void RunWhole(TrialTask& task, std::size_t controller_index) {
+  void RunTrialOf(TrialTask& task) {
     const std::size_t seed_index = task.seed_index;
+    const std::size_t controller_index = task.controller;
     const SeedGloves::Shared& glove = *task.gloves.shared;
     TrialOutcome& outcome = OutcomeOf(seed_index, controller_index);
     const TwinSource twin_source = WantedTwin(result_.seeds[seed_index].seed);
     const bool keep = seed_index == 0 && options_.keep_first_traces;
     std::optional<NoiseFreeTwin> twin;
     if (*task.gloves.noise_free) {
-      twin = AsTwin(Run(task, controller_index, **task.gloves.noise_free, kTwinSignals));
+      twin = AsTwin(Run(task, **task.gloves.noise_free, kTwinSignals));
     }
     task.gloves.noise_free.reset();  // in whose memory the trial's signals then lie
-    Trace trace = Run(task, controller_index, *glove.signal,
+    Trace trace = Run(task, *glove.signal,
                       keep ? std::vector<std::string_view>() : SignalsOfScores(options_.scores));
     if (twin_source == TwinSource::kItself) twin = AsTwin(trace);
     outcome.health = trace.health;
@@ -228,37 +212,6 @@ class StudyRun {
     FinishTrial(seed_index, controller_index);
   }
 
-  /// Trials without a hand whose scores need no signals.
-  void RunInPassing(const TrialTask& task, std::span<const std::size_t> controllers) {
-    const SeedGloves::Shared& glove = *task.gloves.shared;
-    std::vector<TrialSetup> setups;
-    for (const std::size_t c : controllers) {
-      setups.push_back(SetupOf(study_, study_.scenario.controllers[c], SeedOf(task)));
-    }
-    std::vector<MeanSquareError> errors(setups.size(), ErrorInPassing(study_, *glove.signal));
-    Eigen::Index tick = 0;  // of the next block
-    AngleRows reference_rad;
-    std::vector<Trace> traces =
-        RunFilterTrials(setups, *glove.signal,
-                        [&](std::size_t trial, const Eigen::Ref<const AngleRows>& angle_rad) {
-                          if (trial == 0) {
-                            reference_rad = glove.reference_rad.middleRows(tick, angle_rad.rows());
-                            if (tick % kTrimRows == 0) TrimSignals();
-                            tick += angle_rad.rows();
-                          }
-                          errors[trial].Add(angle_rad, reference_rad);
-                        });
-    for (std::size_t i = 0; i < controllers.size(); ++i) {
-      if (!Progress(1.0)) throw Cancelled{};
-      TrialOutcome& outcome = OutcomeOf(task.seed_index, controllers[i]);
-      outcome.health = traces[i].health;
-      outcome.scores =
-          outcome.health.ok ? ScoreInPassing(study_, errors[i]) : NoScores(study_.rows);
-      outcome.untrusted_samples = std::move(traces[i].untrusted_samples);
-      FinishTrial(task.seed_index, controllers[i]);
-    }
-  }
-
   void FinishTrial(std::size_t seed_index, std::size_t controller_index) {
     TrialOutcome& outcome = OutcomeOf(seed_index, controller_index);
     if (options_.store != nullptr) {
@@ -269,10 +222,10 @@ class StudyRun {
   }
 
   /// Records these signals, or all if none is named.
-  Trace Run(const TrialTask& task, std::size_t controller_index, const GloveSignal& glove,
+  Trace Run(const TrialTask& task, const GloveSignal& glove,
             std::span<const std::string_view> signals) {
     const TrialSetup setup =
-        SetupOf(study_, study_.scenario.controllers[controller_index], SeedOf(task));
+        SetupOf(study_, study_.scenario.controllers[task.controller], SeedOf(task));
     if (!options_.physics) {
       Trace trace = RunFilterTrial(setup, glove);
       if (!Progress(1.0)) throw Cancelled{};
@@ -313,7 +266,6 @@ class StudyRun {
 
   const Study& study_;
   const StudyOptions& options_;
-  bool in_passing_;  // all scores are found so
   CauseTrials cause_trials_;
   TrialQueue queue_;
   StudyResult result_;
@@ -324,13 +276,6 @@ class StudyRun {
 };
 
 }  // namespace
-
-std::size_t ControllersTogether(const StudyOptions& options, std::size_t controllers) {
-  if (!IsInPassing(options)) return 1;
-  constexpr std::size_t kMost = 128;  // more gain little
-  // Each thread has two tasks of a seed, so that the next glove is made meanwhile.
-  return std::clamp<std::size_t>(controllers / (2 * JobsOf(options)), 1, kMost);
-}
 
 TwinSource TwinOf(const Study& study, int seed) {
   if (!study.scenario.score.noise_free_twin) return TwinSource::kNone;

@@ -96,9 +96,6 @@ TwinSource TwinOf(const Study& study, int seed);
 /// Number of trials of so many seeds, twins and those of causes included.
 int TrialCount(const Study& study, int seeds, CauseSeeds causes = CauseSeeds::kNone);
 
-/// Number of controllers of a seed that run together to save time. 1 if trials keep signals.
-std::size_t ControllersTogether(const StudyOptions& options, std::size_t controllers);
-
 /// Runs every controller on every seed, `jobs` trials at a time; repetitions take turns. Where
 /// nothing is drawn at random, as with the recording of a real glove, one seed of each repetition
 /// stands for all. Before a trial its noise-free twin runs, which the scores need: see ScoreInput.

@@ -24,11 +24,10 @@ struct SeedGloves {
       std::make_shared<std::optional<GloveSignal>>();
 };
 
-/// Controllers of one seed, for one thread.
+/// One controller of one seed.
 struct TrialTask {
   std::size_t seed_index = 0;
-  std::size_t first = 0;  // controller
-  std::size_t end = 0;
+  std::size_t controller = 0;
   SeedGloves gloves;
   std::optional<SeedGloves> next;  // of the next seed, if this task makes them
 };
@@ -36,8 +35,7 @@ struct TrialTask {
 /// The trials of a study as tasks, in the order of the seeds. Any thread may call it.
 class TrialQueue {
  public:
-  /// A task has `together` controllers of one seed.
-  TrialQueue(std::size_t seeds, std::size_t controllers, std::size_t together, std::size_t jobs);
+  TrialQueue(std::size_t seeds, std::size_t controllers, std::size_t jobs);
 
   /// None after the last task, or after Stop().
   std::optional<TrialTask> Next();
@@ -47,8 +45,6 @@ class TrialQueue {
 
  private:
   std::size_t controllers_;
-  std::size_t together_;
-  std::size_t tasks_of_seed_;
   std::size_t tasks_;
   std::size_t threads_;
   std::atomic<bool> stopped_{false};

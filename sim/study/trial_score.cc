@@ -256,16 +256,4 @@ Scores ScoreTrial(const Study& study, const controller::ControllerConfig& contro
   return WithoutSign(ComputeScores(input, study.rows, metrics));
 }
 
-MeanSquareError ErrorInPassing(const Study& study, const GloveSignal& glove) {
-  const auto ticks = static_cast<int>(glove.true_angle_rad.rows());
-  const std::optional<CountedParts> counted = CountedPartsOf(study, glove.masked, ticks);
-  return {study.measured_joints,
-          counted ? counted->joints
-                  : std::vector<CountedTicks>(study.measured_joints.size(), {{0, ticks}})};
-}
-
-Scores ScoreInPassing(const Study& study, const MeanSquareError& error) {
-  return WithoutSign(TrackingScores(error.Values(), study.rows));
-}
-
 }  // namespace gauntlet::sim

@@ -5,7 +5,6 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/score/mean_square_error.h"
 #include "sim/study/study.h"
 
 namespace gauntlet::sim {
@@ -23,10 +22,5 @@ Scores ScoreTrial(const Study& study, const controller::ControllerConfig& contro
                   const std::optional<NoiseFreeTwin>& twin,
                   std::span<const std::size_t> metrics = {}, const CauseAngles& others = {},
                   std::span<const TickRange> left_out = {});
-
-/// Takes the angles of a trial block by block, where the tracking error alone is wanted.
-MeanSquareError ErrorInPassing(const Study& study, const GloveSignal& glove);
-/// Scores of such a trial, once it has ended: the same bits as of ScoreTrial().
-Scores ScoreInPassing(const Study& study, const MeanSquareError& error);
 
 }  // namespace gauntlet::sim

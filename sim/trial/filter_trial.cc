@@ -1,7 +1,9 @@
 #include "sim/trial/filter_trial.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "controller/angle_estimator.h"
 #include "controller/assert.h"
@@ -9,6 +11,7 @@
 #include "controller/sample_guard.h"
 #include "sim/base/stop.h"
 #include "sim/trial/external/external_filters.h"
+#include "sim/trial/joint_angles.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -16,8 +19,8 @@ namespace {
 using Eigen::Index;
 using CountRows = AngleRows;  // samples, or steps, x channels
 
-/// Ticks that go through one trial after the other: a read or write per column and tick would touch
-/// a cache line each, and in columns of a power of two they would get in each other's way.
+/// Ticks that go through the trial together: a read or write per column and tick would touch a cache
+/// line each, and in columns of a power of two they would get in each other's way.
 constexpr Index kBlockTicks = 192;
 
 /// Samples that begin before this tick.
@@ -54,7 +57,7 @@ struct GloveBlock {
   CountRows counts;  // of its samples
 };
 
-/// When filters step, and with which counts: the same for all trials whose guards are alike.
+/// When filters step, and with which counts.
 class FilterSteps {
  public:
   /// A channel that starts anew before a step of the block; `step` may be that after the last one.
@@ -63,21 +66,13 @@ class FilterSteps {
     int channel;
   };
 
-  FilterSteps(const controller::RobotConfig& robot, std::vector<double> start_counts)
-      : config_(robot.controller.untrusted),
-        filter_at_(robot.controller.filter_at),
-        start_counts_(std::move(start_counts)),
-        guard_(config_, start_counts_, controller::ConvertersOf(robot.glove),
+  FilterSteps(const controller::RobotConfig& robot, std::span<const double> start_counts)
+      : filter_at_(robot.controller.filter_at),
+        guard_(robot.controller.untrusted, start_counts, controller::ConvertersOf(robot.glove),
                robot.timing.sample_rate_hz(), robot.glove.frame_number_bits),
         event_clock_(robot.timing.TicksOf(robot.timing.event_period_ms)),
-        counts_(kBlockTicks, std::ssize(start_counts_)),
+        counts_(kBlockTicks, std::ssize(start_counts)),
         steps_until_(kBlockTicks) {}
-
-  bool AreOf(const controller::ControllerConfig& config,
-             const std::vector<double>& start_counts) const {
-    return config.untrusted == config_ && config.filter_at == filter_at_ &&
-           start_counts == start_counts_;
-  }
 
   void ComputeSteps(const GloveBlock& block) {
     steps_ = 0;
@@ -113,9 +108,7 @@ class FilterSteps {
     std::copy(trusted.begin(), trusted.end(), &counts_(steps_++, 0));
   }
 
-  controller::SampleGuardConfig config_;
   controller::FilterAt filter_at_;
-  std::vector<double> start_counts_;
   controller::SampleGuard guard_;
   controller::PeriodicClock event_clock_;
   CountRows counts_;
@@ -124,130 +117,96 @@ class FilterSteps {
   std::vector<Start> starts_;
 };
 
-/// Channels' angles of a block, in memory that all trials of a glove use: it stays in the cache.
-struct BlockAngles {
-  explicit BlockAngles(Index channels)
-      : predicted_rad(kBlockTicks + 1, channels), held_rad(kBlockTicks, channels) {}
-
-  AngleRows predicted_rad;  // what held before the block, then of its steps
-  AngleRows held_rad;       // of its ticks, where there is not a step at each
-};
-
-/// One controller, from trusted counts to joints.
+/// The controller, from trusted counts to joints.
 class FilterTrial {
  public:
   FilterTrial(const controller::RobotConfig& robot, const controller::JointMap& joint_map)
       : estimator_(robot, robot.controller),
         joint_angles_(joint_map),
-        start_counts_(static_cast<std::size_t>(estimator_.channel_count())) {
-    estimator_.MoveTo(joint_map, robot.hand.reference_angle_rad);  // as a new Controller
-    estimator_.ToCounts(start_counts_);
+        steps_(robot, StartCounts(robot, joint_map)),
+        predicted_rad_(kBlockTicks + 1, estimator_.channel_count()),
+        held_rad_(kBlockTicks, estimator_.channel_count()) {
+    estimator_.Reset(guard().trusted_counts());
   }
 
-  /// Counts that its guard holds before the first good value.
-  const std::vector<double>& start_counts() const { return start_counts_; }
-  void UseSteps(const std::vector<FilterSteps>& all, std::size_t number) {
-    steps_ = number;
-    estimator_.Reset(all[number].guard().trusted_counts());
-  }
-  std::size_t steps() const { return steps_; }
+  const controller::SampleGuard& guard() const { return steps_.guard(); }
 
-  /// The joints' angles of the block. Good until `angles` are used again.
-  Eigen::Map<const AngleRows> Run(const FilterSteps& steps, Index ticks, BlockAngles& angles) {
-    GAUNTLET_ASSERT(steps.count() <= ticks && ticks <= kBlockTicks);
+  /// The joints' angles of the block. Good until the next one.
+  Eigen::Map<const AngleRows> Run(const GloveBlock& block) {
+    steps_.ComputeSteps(block);
+    GAUNTLET_ASSERT(steps_.count() <= block.ticks && block.ticks <= kBlockTicks);
     // What held before, then what each step gives.
-    std::ranges::copy(estimator_.predicted_rad(), angles.predicted_rad.data());
+    std::ranges::copy(estimator_.predicted_rad(), predicted_rad_.data());
     Index done = 0;
     const auto step_until = [&](Index end) {
       if (end == done) return;
-      const std::span<const double> predicted = RowsOf(angles.predicted_rad, done + 1, end - done);
-      estimator_.Step(steps.Counts(done, end - done),
-                      {angles.predicted_rad.data() + (done + 1) * angles.predicted_rad.cols(),
-                       predicted.size()});
+      const std::span<const double> predicted = RowsOf(predicted_rad_, done + 1, end - done);
+      estimator_.Step(
+          steps_.Counts(done, end - done),
+          {predicted_rad_.data() + (done + 1) * predicted_rad_.cols(), predicted.size()});
       done = end;
     };
-    for (const auto& [step, channel] : steps.starts()) {
+    for (const auto& [step, channel] : steps_.starts()) {
       step_until(step);
       estimator_.StartChannel(channel);
     }
-    step_until(steps.count());
-    if (steps.count() == ticks) return joint_angles_.Of(RowsOf(angles.predicted_rad, 1, ticks));
-    for (Index tick = 0; tick < ticks; ++tick) {
-      angles.held_rad.row(tick) = angles.predicted_rad.row(steps.CountUntil(tick));
+    step_until(steps_.count());
+    if (steps_.count() == block.ticks) {
+      return joint_angles_.Of(RowsOf(predicted_rad_, 1, block.ticks));
     }
-    return joint_angles_.Of(RowsOf(angles.held_rad, 0, ticks));
+    for (Index tick = 0; tick < block.ticks; ++tick) {
+      held_rad_.row(tick) = predicted_rad_.row(steps_.CountUntil(tick));
+    }
+    return joint_angles_.Of(RowsOf(held_rad_, 0, block.ticks));
   }
 
  private:
+  /// Counts that the guard holds before the first good value, as in a new Controller.
+  std::vector<double> StartCounts(const controller::RobotConfig& robot,
+                                  const controller::JointMap& joint_map) {
+    std::vector<double> counts(static_cast<std::size_t>(estimator_.channel_count()));
+    estimator_.MoveTo(joint_map, robot.hand.reference_angle_rad);
+    estimator_.ToCounts(counts);
+    return counts;
+  }
+
   controller::AngleEstimator estimator_;
   JointAngleRows joint_angles_;
-  std::vector<double> start_counts_;
-  std::size_t steps_ = 0;  // its place among those of all trials
+  FilterSteps steps_;
+  AngleRows predicted_rad_;  // channels: what held before the block, then of its steps
+  AngleRows held_rad_;       // channels at its ticks, where there is not a step at each
 };
-
-controller::RobotConfig RobotOf(const TrialSetup& setup, const TrialPrograms& programs) {
-  return {.controller = programs.config(),
-          .glove = setup.calibration,
-          .hand = setup.hand->transmission(),
-          .joint_map = setup.joint_map,
-          .timing = setup.hand->timing().controller};
-}
 
 }  // namespace
 
 Trace RunFilterTrial(const TrialSetup& setup, const GloveSignal& glove) {
+  GAUNTLET_ASSERT(glove.counts.cols() == std::ssize(glove.channel_names));
+  const TrialPrograms programs(setup.controller);
+  const controller::RobotConfig robot = {.controller = programs.config(),
+                                         .glove = setup.calibration,
+                                         .hand = setup.hand->transmission(),
+                                         .joint_map = setup.joint_map,
+                                         .timing = setup.hand->timing().controller};
+  FilterTrial trial(robot, controller::JointMap(setup.joint_map, glove.channel_names, robot.hand));
   Signal angle_rad(glove.true_angle_rad.rows(),
                    static_cast<Index>(setup.hand->joint_names().size()));
-  Index tick = 0;
-  std::vector<Trace> traces =
-      RunFilterTrials({&setup, 1}, glove, [&](std::size_t, const auto& block) {
-        // As 0 + 1 channel: no -0.
-        angle_rad.middleRows(tick, block.rows()) =
-            (0.0 + block.array()).template cast<Stored<double>>().template cast<double>();
-        if (tick % kTrimRows == 0) TrimSignals();
-        tick += block.rows();
-      });
-  traces[0].hand_angle_rad = std::move(angle_rad);
-  return std::move(traces[0]);
-}
-
-std::vector<Trace> RunFilterTrials(std::span<const TrialSetup> setups, const GloveSignal& glove,
-                                   const SeeAngles& see) {
-  GAUNTLET_ASSERT(glove.counts.cols() == std::ssize(glove.channel_names));
-  std::vector<FilterSteps> steps;
-  std::vector<TrialPrograms> programs;
-  std::vector<FilterTrial> trials;
-  for (const TrialSetup& setup : setups) {
-    programs.emplace_back(setup.controller);
-    const controller::RobotConfig robot = RobotOf(setup, programs.back());
-    FilterTrial& trial = trials.emplace_back(
-        robot, controller::JointMap(setup.joint_map, glove.channel_names, robot.hand));
-    const auto known = std::ranges::find_if(steps, [&](const FilterSteps& those) {
-      return those.AreOf(robot.controller, trial.start_counts());
-    });
-    const auto place = static_cast<std::size_t>(known - steps.begin());
-    if (known == steps.end()) steps.emplace_back(robot, trial.start_counts());
-    trial.UseSteps(steps, place);
-  }
-  BlockAngles angles(std::ssize(glove.channel_names));
-  for (Index tick = 0; tick < glove.true_angle_rad.rows(); tick += kBlockTicks) {
+  for (Index tick = 0; tick < angle_rad.rows(); tick += kBlockTicks) {
     ThrowIfStopped();
     const GloveBlock block(glove, tick);
-    for (FilterSteps& those : steps) those.ComputeSteps(block);
-    for (std::size_t i = 0; i < trials.size(); ++i) {
-      see(i, trials[i].Run(steps[trials[i].steps()], block.ticks, angles));
-    }
+    // As 0 + 1 channel: no -0.
+    angle_rad.middleRows(tick, block.ticks) =
+        (0.0 + trial.Run(block).array()).cast<Stored<double>>().cast<double>();
+    if (tick % kTrimRows == 0) TrimSignals();
   }
   ThrowIfStopped();  // which also ends a program's wait
-  std::vector<Trace> traces(setups.size());
-  for (std::size_t i = 0; i < setups.size(); ++i) {
-    traces[i].controller_name = setups[i].controller_name;
-    const auto untrusted = steps[trials[i].steps()].guard().untrusted_samples();
-    traces[i].untrusted_samples.assign(untrusted.begin(), untrusted.end());
-    programs[i].ThrowMistake(setups[i].controller_name);
-    if (!programs[i].ok()) traces[i].health = {.ok = false, .problem = programs[i].problem()};
-  }
-  return traces;
+  Trace trace;
+  trace.controller_name = setup.controller_name;
+  const auto untrusted = trial.guard().untrusted_samples();
+  trace.untrusted_samples.assign(untrusted.begin(), untrusted.end());
+  programs.ThrowMistake(setup.controller_name);
+  if (!programs.ok()) trace.health = {.ok = false, .problem = programs.problem()};
+  trace.hand_angle_rad = std::move(angle_rad);
+  return trace;
 }
 
 }  // namespace gauntlet::sim

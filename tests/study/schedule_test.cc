@@ -75,26 +75,26 @@ Bits BitsOf(const StudyResult& result) {
   return bits;
 }
 
-enum class Way { kHand, kFilters, kFiltersInPassing };
+enum class Way { kHand, kFilters, kTrackingOfFilters };
 
 StudyOptions Options(int jobs, Way way, TrialStore* store) {
   StudyOptions options;
   options.seeds = kSeeds;
   options.jobs = jobs;
   options.physics = way == Way::kHand;
-  if (way == Way::kFiltersInPassing) options.scores = {MetricIndex("tracking_rmse_deg")};
+  if (way == Way::kTrackingOfFilters) options.scores = {MetricIndex("tracking_rmse_deg")};
   options.keep_first_traces = false;
   options.store = store;
   return options;
 }
 
 std::string NameOf(const ::testing::TestParamInfo<Way>& one) {
-  const char* const names[] = {"hand", "filters", "filters_in_passing"};
+  const char* const names[] = {"hand", "filters", "tracking_of_filters"};
   return names[static_cast<int>(one.param)];
 }
 class AnySchedule : public ::testing::TestWithParam<Way> {};
 INSTANTIATE_TEST_SUITE_P(Each, AnySchedule,
-                         ::testing::Values(Way::kHand, Way::kFilters, Way::kFiltersInPassing),
+                         ::testing::Values(Way::kHand, Way::kFilters, Way::kTrackingOfFilters),
                          NameOf);
 
 TEST_P(AnySchedule, GivesTheSameScores) {
@@ -157,7 +157,7 @@ TEST(ScheduleOfKnownTrials, RunsEachOtherTrialOnce) {
         for (int i = 0; i < trials; ++i) {
           if ((mask >> i & 1) != 0) store.Keep(3 + i / controllers, i % controllers, made_up);
         }
-        StudyOptions options = Options(jobs, Way::kFiltersInPassing, &store);
+        StudyOptions options = Options(jobs, Way::kTrackingOfFilters, &store);
         options.seeds = seeds;
         RunStudy(study, options);
         ASSERT_EQ(store.kept(), trials)
@@ -202,7 +202,7 @@ TEST(KeptTrials, StayWhateverControllersAreAddedRemovedChangedAndMoved) {
   controllers.pop_back();
   {
     Watched database(before, study);
-    RunStudy(study, Options(1, Way::kFiltersInPassing, &database));
+    RunStudy(study, Options(1, Way::kTrackingOfFilters, &database));
   }
   NamedController changed = controllers[2];
   changed.config.filter_at = controller::FilterAt::kEvent;
@@ -222,14 +222,14 @@ TEST(KeptTrials, StayWhateverControllersAreAddedRemovedChangedAndMoved) {
     for (const int jobs : {1, 2, 3}) {
       std::filesystem::copy_file(before, file, std::filesystem::copy_options::overwrite_existing);
       Watched database(file, study);
-      RunStudy(study, Options(jobs, Way::kFiltersInPassing, &database));
+      RunStudy(study, Options(jobs, Way::kTrackingOfFilters, &database));
       ASSERT_EQ(database.kept(), unknown) << testing::PrintToString(list) << ", jobs: " << jobs;
     }
   }
 }
 
-// Controllers of a seed that run together, more or fewer at once, and each by itself.
-TEST(SchedulePassing, GivesEachControllerItsOwnScores) {
+// Many controllers of a seed, and each by itself.
+TEST(AnyNumberOfControllers, GivesEachItsOwnScores) {
   Study study = FiveControllers();
   const NamedController raw = study.scenario.controllers[0];
   study.scenario.controllers.clear();
@@ -238,9 +238,9 @@ TEST(SchedulePassing, GivesEachControllerItsOwnScores) {
     mean.name = "mean_" + std::to_string(window);
     mean.config.filters = {{controller::MovingAverageConfig{.window = window}}};
   }
-  const StudyResult together = RunStudy(study, Options(1, Way::kFiltersInPassing, nullptr));
+  const StudyResult together = RunStudy(study, Options(1, Way::kTrackingOfFilters, nullptr));
   for (const int jobs : {2, 3, 40}) {
-    EXPECT_EQ(BitsOf(RunStudy(study, Options(jobs, Way::kFiltersInPassing, nullptr))),
+    EXPECT_EQ(BitsOf(RunStudy(study, Options(jobs, Way::kTrackingOfFilters, nullptr))),
               BitsOf(together))
         << jobs;
   }

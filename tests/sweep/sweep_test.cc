@@ -369,42 +369,6 @@ TEST(FilterTrial, SeesPredictionAndSlowGloves) {
   EXPECT_NEAR(FilterScores("filter: none", ", rate_hz: 50")[delay] - raw, 10.0, 1.0);
 }
 
-// What a sweep asks for decides whether signals are kept: with the tracking error alone they are
-// not.
-TEST(FilterTrial, HasTheSameErrorWhetherOrNotItsAnglesAreKept) {
-  for (const char* more : {"", "rate_hz: 60, ", "channels: [index_pip, wrist_flexion], ",
-                           "faults: [{kind: dropouts, channels: [index_pip], start_s: 1}], "}) {
-    test::TemporaryDirectory folder;
-    std::ofstream(folder.path() / "base.yaml") << fmt::format(
-        "question: are they the same?\n"
-        "glove: {{{}motion: {{kind: random, duration_s: 2.027, bandwidth_hz: 1}}}}\n"
-        "joint_map: {{index_pip: {{channels: [index_pip, wrist_flexion], weights: [0.5, 0.2]}}}}\n"
-        "controllers: {{it: {{filter: {{kind: one_euro}}}}}}\n",
-        more);
-    const Study study = PrepareStudy(LoadScenario(folder.path() / "base.yaml", {}));
-    const std::size_t tracking = MetricIndex("tracking_rmse_deg");
-    const auto outcome_of = [&](const std::vector<std::size_t>& scores) {
-      return RunStudy(study, {.seeds = 2,
-                              .jobs = 1,
-                              .keep_first_traces = false,
-                              .physics = false,
-                              .scores = scores})
-          .seeds[1]
-          .controllers[0];
-    };
-    const TrialOutcome alone = outcome_of({tracking});
-    const TrialOutcome beside = outcome_of({tracking, MetricIndex("peak_error_deg")});
-    EXPECT_GT(alone.scores.summary[tracking], 0.1) << more;
-    EXPECT_EQ(alone.scores.summary[tracking], beside.scores.summary[tracking]) << more;
-    EXPECT_EQ(alone.untrusted_samples, beside.untrusted_samples) << more;
-    ASSERT_EQ(alone.scores.channels.size(), beside.scores.channels.size());
-    for (std::size_t row = 0; row < alone.scores.channels.size(); ++row) {
-      const double score = alone.scores.channels[row][tracking];
-      EXPECT_TRUE(score == beside.scores.channels[row][tracking] || std::isnan(score)) << more;
-    }
-  }
-}
-
 TEST(FilterTrial, HasNoScoresOfMotors) {
   const std::vector<double> scores = FilterScores("filter: none");
   EXPECT_TRUE(std::isnan(scores[MetricIndex("command_reversals_per_s")]));

@@ -103,18 +103,16 @@ class Sweep {
             .scores = plan_.metrics};
   }
 
-  /// Times the first trials that are to be run, as many as run together or enough to know.
+  /// Times the first trial that is to be run.
   void Forecast(const CellBlock& block, BlockStore& store) {
     if (forecast_done_ || !options_.forecast) return;
     StudyOptions options = OptionsFor(store);
     options.jobs = 1;
-    constexpr std::size_t kEnough = 32;
-    const std::size_t most = std::min(ControllersTogether(options, block.settings.size()), kEnough);
     for (int i = 0; i < seeds_ && !forecast_done_; ++i) {
       CellBlock some = block;
       some.study->scenario.controllers.clear();
       some.settings.clear();
-      for (std::size_t c = 0; c < block.settings.size() && some.settings.size() < most; ++c) {
+      for (std::size_t c = 0; c < block.settings.size() && some.settings.empty(); ++c) {
         if (store.Has(first_seed_ + i, c)) continue;
         some.study->scenario.controllers.push_back(block.study->scenario.controllers[c]);
         some.settings.push_back(block.settings[c]);
@@ -126,12 +124,12 @@ class Sweep {
       options.seeds = i + 1;
       options.progress = [this](double, int) { return Progress(0.0); };
       const double known = per_trial_ * static_cast<double>(database_.TrialCount());
-      const double trials = per_trial_ * static_cast<double>(some.settings.size());
       const auto start = std::chrono::steady_clock::now();
       RunStudy(*some.study, options);
       const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-      const double left = std::max(0.0, all_ - known - trials);
-      options_.forecast({.trials = left, .seconds = left / trials * took.count() / options_.jobs});
+      const double left = std::max(0.0, all_ - known - per_trial_);
+      options_.forecast(
+          {.trials = left, .seconds = left / per_trial_ * took.count() / options_.jobs});
       database_.Flush();
     }
   }
