@@ -281,7 +281,7 @@ GloveConfig WithoutNoise(GloveConfig config) {
 }
 
 bool IsWithoutNoise(const GloveConfig& config) {
-  return config.faults.empty() && config.noise.walk_counts_per_sqrt_s == 0.0 &&
+  return config.faults.empty() &&
          std::ranges::all_of(NoiseVarianceCounts2(config), [](double v) { return v == 0.0; });
 }
 

@@ -16,10 +16,6 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Stiffness that stands for a cable that does not stretch, as a multiple of the real one. At 1 ms
-/// the hand stays stable up to 32 times.
-constexpr double kInextensible = 8.0;
-
 /// Names of all parts of one kind.
 std::vector<std::string> NamesInModel(const mjModel& model, int type) {
   std::vector<std::string> names;
@@ -114,11 +110,6 @@ double Positive(double value, const std::string& what, const std::string& name) 
   throw UserError(fmt::format("{} '{}' of the model is {}: must be above 0", what, name, value));
 }
 
-/// How many times larger than in the model's file stiffness is.
-double StiffnessFactor(const CableConfig& config) {
-  return config.stiffness_scale * (config.stretch ? 1.0 : kInextensible);
-}
-
 /// Stiffness and damping of a tendon of the model. A motor's own tendon may have a spring that is
 /// no property of the cable.
 Cord MakeCord(const mjModel& model, const CableConfig& config, int tendon, const std::string& name,
@@ -156,7 +147,7 @@ Cable MakeCable(const mjModel& model, const CableConfig& config, int tendon, dou
   cable.sense = sense;
   cable.tendon = tendon;
   cable.cord = MakeCord(model, config, tendon, cable.name, pulled);
-  cable.cord.stiffness_n_m *= StiffnessFactor(config);
+  cable.cord.stiffness_n_m *= config.stiffness_scale;
   cable.cord.friction_coefficient = config.capstan_friction;
   return cable;
 }
@@ -389,7 +380,7 @@ void FindCables(const mjModel& model, const HandConfig& config,
                 std::vector<Drive>& drives) {
   const CablePaths paths(model, joints, followers);
   // The force of pretension stays what it is with another stiffness.
-  const double pretension_m = 1e-3 * config.cable.pretension_mm / StiffnessFactor(config.cable);
+  const double pretension_m = 1e-3 * config.cable.pretension_mm / config.cable.stiffness_scale;
   for (std::size_t motor = 0; motor < drives.size(); ++motor) {
     Drive& drive = drives[motor];
     if (drive.has_shaft()) continue;

@@ -8,7 +8,6 @@ namespace gauntlet::sim {
 using controller::SettingsVisitor;
 
 void CableConfig::Visit(SettingsVisitor& visitor) {
-  visitor.Flag({"stretch", "cables stretch; off: 8 times as stiff"}, stretch);
   visitor.Number({"stiffness_scale", "factor on the stiffness of the model's cables", 1e-6, 10},
                  stiffness_scale);
   visitor.Number(
@@ -17,7 +16,7 @@ void CableConfig::Visit(SettingsVisitor& visitor) {
       stiffness_n_m);
   visitor.Number({"pretension_mm",
                   "stretch of both cables of a motor at rest, with the model's stiffness: the "
-                  "force stays when stiffness_scale or stretch changes it",
+                  "force stays when stiffness_scale changes it",
                   0, 5},
                  pretension_mm);
   visitor.Numbers(

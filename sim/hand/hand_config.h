@@ -13,7 +13,6 @@ namespace gauntlet::sim {
 /// Properties of the two cables of every motor. Stiffness and damping of each cable stand in the
 /// model file; here stands what is common, and what can be switched off to see what it does.
 struct CableConfig {
-  bool stretch = true;           // off: 8 times as stiff, about what the time step can bear
   double stiffness_scale = 1.0;  // on the stiffness of the model
   double stiffness_n_m = 0.0;    // of cables to which the model gives none
   double pretension_mm = 0.4;    // both cables are this much too short, if as stiff as the model's

@@ -10,8 +10,7 @@ Repeats::Repeats(const Study& study, int seeds)
     : study_(study), count_(study.repetitions.size()), is_drawn_(count_, false) {
   const int count = static_cast<int>(count_);
   // A link has other random numbers for each seed.
-  const Scenario& scenario = study.scenario;
-  const bool has_links = LinksOf(scenario.event, scenario.link.value_or(LinksConfig{})).exist();
+  const bool has_links = study.scenario.link && study.scenario.link->exist();
   alike_ = seeds > count && !has_links;
   for (int i = 0; i < count && i + count < seeds; ++i) {
     const GloveFacts& first = study.repetitions[i];

@@ -52,11 +52,8 @@ void FindDurations(const Study& study, StudyResult& result) {
 void RefuseLinks(const Scenario& scenario) {
   for (const NamedController& named : scenario.controllers) {
     if (!LinksOf(scenario, named).exist()) continue;
-    const char* const key = scenario.link              ? "link"
-                            : scenario.event.jitter_ms ? "event.jitter_ms"
-                                                       : "event.loss_percent";
     throw controller::SettingError(
-        key, "is simulated only with a hand; leave out --filter-only (physics: false)");
+        "link", "is simulated only with a hand; leave out --filter-only (physics: false)");
   }
 }
 

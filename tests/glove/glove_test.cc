@@ -274,7 +274,6 @@ GloveConfig RestlessGlove() {
   config.tremor.rms_deg = 2.0;
   config.sensor.drift_deviation_percent = 5.0;
   config.noise.pink_variance_counts2 = 30.0;
-  config.noise.walk_counts_per_sqrt_s = 5.0;
   config.faults.resize(1);
   return config;
 }
@@ -312,7 +311,6 @@ TEST(Glove, IsWithoutNoiseWhereEveryKindOfItIsNothing) {
   }));
   EXPECT_FALSE(with([](GloveConfig& c) { c.noise.pink_variance_counts2 = 0.1; }));
   EXPECT_FALSE(with([](GloveConfig& c) { c.noise.mains_amplitude_counts = 0.1; }));
-  EXPECT_FALSE(with([](GloveConfig& c) { c.noise.walk_counts_per_sqrt_s = 0.1; }));
   EXPECT_FALSE(with([](GloveConfig& c) { c.faults.resize(1); }));
 }
 

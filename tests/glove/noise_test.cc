@@ -171,20 +171,6 @@ TEST(ColouredNoise, HumHasItsAmplitudeAndFrequency) {
   for (int i = 20; i < 1000; ++i) EXPECT_NEAR(signal[i], signal[i - 20], 1e-9);
 }
 
-TEST(ColouredNoise, WalkSpreadsWithTheRootOfTime) {
-  double squares = 0.0;
-  constexpr int kWalks = 2000;
-  for (int walk = 0; walk < kWalks; ++walk) {
-    std::vector<double> signal(1001, 0.0);
-    RandomStream random(5, "test", walk);
-    AddRandomWalk(random, 2.0, 250.0, signal);
-    EXPECT_EQ(signal[0], 0.0);
-    squares += signal[1000] * signal[1000] / kWalks;
-  }
-  // 4 s of 2 counts per root second: a variance of 16, known to 3.2 %.
-  EXPECT_NEAR(squares, 16.0, 3.9 * 0.032 * 16.0);
-}
-
 Signal NoiseOf(const NoiseConfig& config, int samples, int bits = 10) {
   Signal counts = Signal::Zero(samples, 18);
   AddNoise(config, {.bits = {static_cast<double>(bits)}}, 1000.0, 9, counts);

@@ -80,12 +80,12 @@ TEST(HandSettings, WhatTheTimeStepCannotBearIsRefused) {
   };
   EXPECT_THAT(Refusal(strongly_damped), HasSubstr("hand.servo: the servo of thumb_rotation"));
   const auto far_too_stiff = [](HandConfig& c) {
-    c.arm_servo.settings = StandardServo{};
-    c.cable.stretch = false;
-    c.cable.stiffness_scale = 9.9;
+    c.servo.settings = StandardServo{};
+    c.servo.numbers().inertia_scale = 0.1;
+    c.cable.stiffness_scale = 10.0;
   };
   EXPECT_THAT(Refusal(far_too_stiff), HasSubstr("too stiff for hand.step_ms 1"));
-  EXPECT_EQ(Refusal([&](HandConfig& c) { c.cable.stretch = false; }), "");
+  EXPECT_EQ(Refusal([&](HandConfig& c) { c.cable.stiffness_scale = 8.0; }), "");
 }
 
 TEST(HandSettings, AMissingModelIsNamed) {

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "sim/trial/link/transport.h"
@@ -40,22 +43,14 @@ struct Used {
   double buffer_ticks = 0.0;
 };
 
-Used UsedOver(const TransportConfig& link, const ReceiverConfig& config, int ticks,
-              int period = 1) {
-  const auto* queue = std::get_if<QueueReceiver>(&config.settings);
-  Transport transport(
-      link,
-      {.name = "test",
-       .values = 1,
-       .period_ticks = static_cast<double>(period),
-       .waiting_frames = queue ? static_cast<std::size_t>(queue->longest_frames) : 1},
-      kTicks, 5);
+template <class Link>
+Used UsedBehind(Link& link, const ReceiverConfig& config, int ticks, int period = 1) {
   Receiver receiver(config, 1, period, kTicks);
   Used used;
   for (std::int64_t tick = 0; tick < ticks; ++tick) {
     const auto value = static_cast<double>(tick);
-    if (tick % period == 0) transport.Send(tick, tick, {&value, 1});
-    transport.Deliver(tick, [&](const LinkFrame& frame) { receiver.Accept(tick, frame); });
+    if (tick % period == 0) link.Send(tick, tick, {&value, 1});
+    link.Deliver(tick, [&](const LinkFrame& frame) { receiver.Accept(tick, frame); });
     if (receiver.Step(tick) == Found::kNothing) continue;
     used.ages.push_back(static_cast<double>(tick - receiver.origin_tick()));
     used.values.push_back(receiver.values()[0]);
@@ -66,12 +61,50 @@ Used UsedOver(const TransportConfig& link, const ReceiverConfig& config, int tic
   return used;
 }
 
-TransportConfig Jittering() {
-  TransportConfig link;
-  link.delay.settings = LogNormalDelay{.p50_ms = 13.3, .p99_ms = 47.0};
-  link.reorders = true;
-  return link;
+Used UsedOver(const TransportConfig& config, const ReceiverConfig& receiver, int ticks,
+              int period = 1) {
+  const auto* queue = std::get_if<QueueReceiver>(&receiver.settings);
+  Transport transport(
+      config,
+      {.name = "test",
+       .values = 1,
+       .period_ticks = static_cast<double>(period),
+       .waiting_frames = queue ? static_cast<std::size_t>(queue->longest_frames) : 1},
+      kTicks, 5);
+  return UsedBehind(transport, receiver, ticks, period);
 }
+
+/// A link as real ones can be: frames overtake one another, and the sender's clock drifts.
+class DisorderedLink {
+ public:
+  explicit DisorderedLink(const DelaySettings& delay, double drift = 0.0)
+      : delay_({delay}, RandomStream(5, "test")), drift_(drift) {}
+
+  void Send(std::int64_t tick, std::int64_t origin_tick, std::span<const double> values) {
+    const auto now = static_cast<double>(tick);
+    const std::int64_t arrival_tick = std::llround(std::ceil(now + delay_.Next()));
+    const LinkFrame frame = {.number = sent_++,
+                             .origin_tick = origin_tick,
+                             .stamp_ticks = now * (1.0 + drift_),
+                             .values = {}};
+    arrivals_.emplace(arrival_tick, std::pair(frame, values[0]));
+  }
+  template <class Receive>
+  void Deliver(std::int64_t tick, const Receive& receive) {
+    for (; !arrivals_.empty() && arrivals_.begin()->first <= tick;
+         arrivals_.erase(arrivals_.begin())) {
+      auto& [frame, value] = arrivals_.begin()->second;
+      frame.values = {&value, 1};
+      receive(frame);
+    }
+  }
+
+ private:
+  DelayDraw delay_;
+  double drift_;
+  std::int64_t sent_ = 0;
+  std::multimap<std::int64_t, std::pair<LinkFrame, double>> arrivals_;
+};
 
 TEST(Receiver, NewestIgnoresOldAndRepeatedFrames) {
   Receiver receiver({}, 1, 1.0, kTicks);
@@ -128,37 +161,33 @@ TEST(Receiver, BufferOfNoLengthOnALinkWithoutFaultsChangesNothing) {
 }
 
 TEST(Receiver, BufferLongerThanAllJitterMakesTheAgeConstant) {
-  TransportConfig link;
-  link.delay.settings = HistogramDelay{.bucket_ms = 1.0, .counts = std::vector<double>(30, 1.0)};
-  link.reorders = true;
-  const Used used = UsedOver(link, {.settings = BufferReceiver{.delay_ms = 40.0}}, 3000);
+  DisorderedLink link(HistogramDelay{.bucket_ms = 1.0, .counts = std::vector<double>(30, 1.0)});
+  const Used used = UsedBehind(link, {.settings = BufferReceiver{.delay_ms = 40.0}}, 3000);
   for (std::size_t i = 1000; i < used.ages.size(); ++i) ASSERT_EQ(used.ages[i], 41.0) << i;
 }
 
 TEST(Receiver, BufferFollowsAClockThatDrifts) {
-  TransportConfig link;
-  link.clock_drift_ppm = 1000.0;  // 1 ms in 1 s
+  DisorderedLink link(ConstantDelay{}, 1e-3);  // 1 ms in 1 s
   const Used used =
-      UsedOver(link, {.settings = BufferReceiver{.delay_ms = 10.0, .window_ms = 1000.0}}, 20'000);
+      UsedBehind(link, {.settings = BufferReceiver{.delay_ms = 10.0, .window_ms = 1000.0}}, 20'000);
   EXPECT_NEAR(used.ages[5000], 10.0, 1.1);
   EXPECT_NEAR(used.ages.back(), 10.0, 1.1);
 }
 
 TEST(Receiver, AdaptiveBufferLeavesTheShareBeyondItsQuantileLate) {
   for (const double percent : {80.0, 95.0, 99.0}) {
-    const Used used = UsedOver(
-        Jittering(), {.settings = AdaptiveBufferReceiver{.quantile_percent = percent}}, 100'000);
+    DisorderedLink link(LogNormalDelay{.p50_ms = 13.3, .p99_ms = 47.0});
+    const Used used = UsedBehind(
+        link, {.settings = AdaptiveBufferReceiver{.quantile_percent = percent}}, 100'000);
     const double late = 1.0 - percent / 100.0;
     EXPECT_NEAR(used.late_share, late, 0.2 * late + 0.002) << percent;
   }
 }
 
 TEST(Receiver, AdaptiveBufferIsAsLongAsTheQuantileOfTheRelativeDelays) {
-  TransportConfig link;
-  link.delay.settings = HistogramDelay{.bucket_ms = 1.0, .counts = std::vector<double>(100, 1.0)};
-  link.reorders = true;
+  DisorderedLink link(HistogramDelay{.bucket_ms = 1.0, .counts = std::vector<double>(100, 1.0)});
   const Used used =
-      UsedOver(link, {.settings = AdaptiveBufferReceiver{.quantile_percent = 90.0}}, 60'000);
+      UsedBehind(link, {.settings = AdaptiveBufferReceiver{.quantile_percent = 90.0}}, 60'000);
   EXPECT_NEAR(used.buffer_ticks, 89.0, 3.0);
 }
 

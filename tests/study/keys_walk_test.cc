@@ -59,7 +59,6 @@ const std::vector<std::string> kStill = {"glove.motion={kind: hold, duration_s: 
                                          "glove.noise.kind=none"};
 const std::vector<std::string> kSlow = {"glove.rate_hz=33.3"};
 const std::vector<std::string> kOddEvents = {"event.period_ms=7.3"};
-const std::vector<std::string> kNoLoss = {"event.loss_percent=0"};
 const std::vector<std::string> kGloveLink = {"link.glove.preset=none"};
 const std::vector<std::string> kHandLink = {"link.hand.preset=none"};
 const std::vector<std::string> kShort = {"glove.motion.duration_s=0.03"};
@@ -105,10 +104,6 @@ const std::vector<Step>& Walk() {
       {"event.delay_ms=1001", kRefused},
       {"event.delay_ms=12.7", kChanges, {}, kFiveSlow},
       // Links.
-      {"event.jitter_ms=0", kKeeps, {}, kNoLoss},
-      {"event.jitter_ms=1000", kChanges, {}, kNoLoss},
-      {"event.jitter_ms=1001", kRefused},
-      {"event.jitter_ms=5", kRefused, "must not be given beside link.hand", kHandLink},
       {"link.glove.delay.delay_ms=0", kKeeps, {}, kGloveLink},
       {"link.glove.delay.delay_ms=10000", kChanges, {}, kGloveLink},
       {"link.glove.delay.delay_ms=10001", kRefused},

@@ -55,20 +55,11 @@ TEST_F(LinkTrials, ALinkThatDoesNothingChangesNoBit) {
                     "link.hand.receiver={kind: newest, gap: predict}", "link.glove.watchdog=tiers",
                     "link.hand.watchdog=tiers"}),
             without);
-  EXPECT_EQ(HandOf({"event.jitter_ms=0", "event.loss_percent=0"}), without);
 }
 
 TEST_F(LinkTrials, ADelayOfTheLinkIsOneOfTheEvent) {
   EXPECT_EQ(HandOf({"event.delay_ms=5", "link.hand.delay={kind: constant, delay_ms: 20}"}),
             HandOf({}));
-}
-
-TEST_F(LinkTrials, ShortFormsOfTheEventAreThoseOfTheLinkToTheHand) {
-  EXPECT_EQ(HandOf({"event.jitter_ms=12", "event.loss_percent=20"}),
-            HandOf({"link.hand.delay={kind: gamma, mean_ms: 12, deviation_ms: 12}",
-                    "link.hand.loss={kind: independent, percent: 20}"}));
-  EXPECT_NE(HandOf({"event.jitter_ms=12"}), HandOf({}));
-  EXPECT_NE(HandOf({"event.loss_percent=20"}), HandOf({}));
 }
 
 TEST_F(LinkTrials, ScoresOfLinksExistWithALinkAlone) {
@@ -135,7 +126,7 @@ TEST_F(LinkTrials, SeedsDifferInTheLinkAlone) {
       "glove.sensor.curvature_deviation_percent=0", "glove.sensor.cross_talk_percent=0"};
   EXPECT_TRUE(Run(still, {.seeds = 2}).seeds_alike);
   Overrides linked = still;
-  linked.push_back("event.jitter_ms=30");
+  linked.push_back("link.hand.delay={kind: gamma, mean_ms: 30, deviation_ms: 30}");
   const StudyResult result = Run(linked, {.seeds = 2});
   EXPECT_FALSE(result.seeds_alike);
   ASSERT_EQ(result.seeds.size(), 2u);
@@ -226,14 +217,11 @@ TEST_F(LinkTrials, WithoutJitterTheDelayIsTheMean) {
 }
 
 TEST_F(LinkTrials, FiltersAloneHaveNoLink) {
-  for (const auto& [set, key] : {std::pair{"link.glove.preset=wifi", "link: "},
-                                 std::pair{"event.jitter_ms=3", "event.jitter_ms: "}}) {
-    try {
-      Run({set}, {.keep_first_traces = false, .physics = false});
-      FAIL() << set;
-    } catch (const controller::SettingError& error) {
-      EXPECT_THAT(error.what(), testing::StartsWith(key));
-    }
+  try {
+    Run({"link.glove.preset=wifi"}, {.keep_first_traces = false, .physics = false});
+    FAIL();
+  } catch (const controller::SettingError& error) {
+    EXPECT_THAT(error.what(), testing::StartsWith("link: "));
   }
 }
 

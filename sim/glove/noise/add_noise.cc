@@ -103,10 +103,6 @@ void AddNoise(const NoiseConfig& config, const ConverterConfig& converter, doubl
       RandomStream random = stream("noise/mains");
       AddMainsHum(random, scale * config.mains_amplitude_counts, config.mains_hz, rate_hz, signal);
     }
-    if (config.walk_counts_per_sqrt_s > 0.0) {
-      RandomStream random = stream("noise/walk");
-      AddRandomWalk(random, scale * config.walk_counts_per_sqrt_s, rate_hz, signal);
-    }
     TrimSignals();
   }
 }

@@ -12,7 +12,7 @@ namespace gauntlet::sim {
 void AddNoise(const NoiseConfig& config, const ConverterConfig& converter, double rate_hz,
               std::uint64_t seed, Signal& counts);
 
-/// Variance of what AddNoise() adds to a channel of KnownChannels(), random walk left out
+/// Variance of what AddNoise() adds to a channel of KnownChannels()
 /// [counts^2 of the converter].
 double VarianceOfNoise(const NoiseConfig& config, const ConverterConfig& converter, int channel);
 

@@ -80,14 +80,4 @@ void AddMainsHum(RandomStream& random, double amplitude, double mains_hz, double
   }
 }
 
-void AddRandomWalk(RandomStream& random, double deviation_per_sqrt_s, double rate_hz,
-                   std::span<double> signal) {
-  const double step = deviation_per_sqrt_s / std::sqrt(rate_hz);
-  double walk = 0.0;
-  for (double& value : signal) {
-    value += walk;
-    walk += step * BoxMuller(random).first;
-  }
-}
-
 }  // namespace gauntlet::sim

@@ -19,8 +19,4 @@ void AddPinkNoise(RandomStream& random, double standard_deviation, double rate_h
 void AddMainsHum(RandomStream& random, double amplitude, double mains_hz, double rate_hz,
                  std::span<double> signal);
 
-/// Adds a random walk that starts at 0 and whose variance grows by deviation_per_sqrt_s^2 a second.
-void AddRandomWalk(RandomStream& random, double deviation_per_sqrt_s, double rate_hz,
-                   std::span<double> signal);
-
 }  // namespace gauntlet::sim

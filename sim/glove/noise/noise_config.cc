@@ -81,9 +81,6 @@ void NoiseConfig::Visit(controller::SettingsVisitor& visitor) {
   visitor.Number({"mains_amplitude_counts", "amplitude of mains hum", 0, 1000},
                  mains_amplitude_counts);
   visitor.Number({"mains_hz", "mains frequency", 10, 400}, mains_hz);
-  visitor.Number(
-      {"walk_counts_per_sqrt_s", "random walk: standard deviation after one second", 0, 1000},
-      walk_counts_per_sqrt_s);
 }
 
 }  // namespace gauntlet::sim

@@ -27,7 +27,6 @@ struct NoiseConfig {
   double pink_variance_counts2 = 0.0;
   double mains_amplitude_counts = 0.0;
   double mains_hz = 50.0;
-  double walk_counts_per_sqrt_s = 0.0;
 
   /// Variance of the white noise of a channel, scale included [counts^2 of a 10-bit converter].
   double VarianceCounts2(int channel) const;

@@ -15,6 +15,9 @@
 namespace gauntlet::sim {
 namespace {
 
+/// Standard deviation of the logarithms of hysteresis and lag.
+constexpr double kSlownessDeviationPercent = 20.0;
+
 /// Output of the nominal sensor at the ends of a joint's range, of the full scale.
 constexpr double kLowPercent = 10.0;
 constexpr double kHighPercent = 90.0;
@@ -105,9 +108,8 @@ SensorParameters DrawSensor(const SensorConfig& config, std::uint64_t seed) {
     sensor.offset_share[channel] = 0.01 * config.offset_deviation_percent * line.second;
     sensor.curvature_share[channel] = 0.01 * config.curvature_deviation_percent * rest.first;
     sensor.drift_share[channel] = 0.01 * config.drift_deviation_percent * rest.second;
-    sensor.hysteresis_scale[channel] =
-        std::exp(0.01 * config.hysteresis_deviation_percent * late.first);
-    sensor.lag_scale[channel] = std::exp(0.01 * config.lag_deviation_percent * late.second);
+    sensor.hysteresis_scale[channel] = std::exp(0.01 * kSlownessDeviationPercent * late.first);
+    sensor.lag_scale[channel] = std::exp(0.01 * kSlownessDeviationPercent * late.second);
   }
   if (config.cross_talk_percent == 0.0) return sensor;
   for (std::size_t pair = 0; pair < kNeighbours.size(); ++pair) {

@@ -7,8 +7,7 @@ namespace gauntlet::sim {
 bool SensorConfig::is_drawn() const {
   return gain_deviation_percent > 0.0 || offset_deviation_percent > 0.0 ||
          curvature_deviation_percent > 0.0 || drift_deviation_percent > 0.0 ||
-         cross_talk_percent > 0.0 || (hysteresis_deg > 0.0 && hysteresis_deviation_percent > 0.0) ||
-         (lag_ms > 0.0 && lag_deviation_percent > 0.0);
+         cross_talk_percent > 0.0 || hysteresis_deg > 0.0 || lag_ms > 0.0;
 }
 
 void SensorConfig::Visit(controller::SettingsVisitor& visitor) {
@@ -27,12 +26,7 @@ void SensorConfig::Visit(controller::SettingsVisitor& visitor) {
   number("cross_talk_percent", "how much of a neighbour's bending is measured too, about", 0, 50,
          cross_talk_percent);
   number("hysteresis_deg", "play between bending and unbending, median", 0, 45, hysteresis_deg);
-  number("hysteresis_deviation_percent",
-         "standard deviation of the hysteresis' logarithm from glove to glove", 0, 100,
-         hysteresis_deviation_percent);
   number("lag_ms", "time constant of the sensor, first order, median", 0, 1000, lag_ms);
-  number("lag_deviation_percent", "standard deviation of the lag's logarithm from glove to glove",
-         0, 100, lag_deviation_percent);
   number("drift_deviation_percent",
          "standard deviation of the offset that warming adds, of the full scale", 0, 50,
          drift_deviation_percent);

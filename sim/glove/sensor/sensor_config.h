@@ -15,7 +15,8 @@ namespace gauntlet::sim {
 /// The nominal sensor is straight and has neither; a seed draws one glove from it, per channel or
 /// pair: gain, offset, curvature and drift are normal about the nominal value, with the standard
 /// deviation given here; cross-talk is normal about its mean, with half of it as deviation;
-/// hysteresis and lag are log-normal about their median, as nothing negative can come of them.
+/// hysteresis and lag are log-normal about their median, as nothing negative can come of them, with
+/// a standard deviation of 20 %: an assumption.
 /// Source: what they add up to, 1.5 deg RMS, stands for a good glove that was calibrated with care.
 /// Gentner and Classen (J Neurosci Methods 178, 2009) found a mean standard deviation of 1.59 deg
 /// for a glove of resistive bend sensors, and an "overall error" of 4.96 deg, which we take for no
@@ -29,9 +30,7 @@ struct SensorConfig {
   double curvature_deviation_percent = 1.0;
   double cross_talk_percent = 1.0;
   double hysteresis_deg = 0.5;
-  double hysteresis_deviation_percent = 20.0;
   double lag_ms = 0.0;
-  double lag_deviation_percent = 20.0;
   double drift_deviation_percent = 0.0;
   double drift_time_s = 120.0;
 

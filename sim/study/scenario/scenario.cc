@@ -135,7 +135,7 @@ LoopTiming TimingOf(const Scenario& scenario) {
 }
 
 LinksConfig LinksOf(const Scenario& scenario, const NamedController& named) {
-  LinksConfig links = LinksOf(scenario.event, scenario.link.value_or(LinksConfig{}));
+  LinksConfig links = scenario.link.value_or(LinksConfig{});
   if (!named.receiver) return links;
   if (!links.glove) {
     throw controller::SettingError("controllers." + named.name + ".receiver",

@@ -1,5 +1,6 @@
 #include "sim/trial/link/transport.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -41,7 +42,7 @@ Transport::Transport(const TransportConfig& config, const LinkEnds& ends,
       loss_(config.loss, Stream(seed, ends.name, "loss")),
       pool_(PoolSize(config, ends, timing), ends.values) {
   GAUNTLET_ASSERT(ends.values > 0 && ends.period_ticks > 0.0 && ends.waiting_frames > 0);
-  flights_.reserve(PoolSize(config, ends, timing));
+  flights_.resize(PoolSize(config, ends, timing));
   waiting_.reserve(waiting_frames_);
   Reset();
 }
@@ -51,19 +52,17 @@ void Transport::Reset() {
   loss_ = LossDraw(config_.loss, Stream(seed_, name_, "loss"));
   batch_phase_ticks_ = batch_ticks_ * Stream(seed_, name_, "batch phase").Uniform();
   pool_.Reset();
-  flights_.clear();
+  first_flight_ = flight_count_ = 0;
   waiting_.clear();
   free_tick_ = last_arrival_ = 0.0;
-  next_number_ = next_order_ = lost_frames_ = 0;
+  next_number_ = lost_frames_ = 0;
 }
 
 void Transport::Send(std::int64_t tick, std::int64_t origin_tick,
                      std::span<const double> values) noexcept {
   const auto now = static_cast<double>(tick);
-  const LinkFrame frame{.number = next_number_++,
-                        .origin_tick = origin_tick,
-                        .stamp_ticks = now + 1e-6 * config_.clock_drift_ppm * now,
-                        .values = values};
+  const LinkFrame frame{
+      .number = next_number_++, .origin_tick = origin_tick, .stamp_ticks = now, .values = values};
   const bool is_lost = loss_.Next();
   const double delay_ms = delay_.Next();  // of a lost frame, too: the next draws stay theirs
   if (is_lost || delay_ms > kLongestDelayMs) {
@@ -112,12 +111,11 @@ void Transport::Start(double start_tick, double delay_ticks, int place) noexcept
     const double intervals = std::ceil((arrival - batch_phase_ticks_) / batch_ticks_ - kRounding);
     arrival = batch_phase_ticks_ + intervals * batch_ticks_;
   }
-  if (!config_.reorders) arrival = last_arrival_ = std::max(arrival, last_arrival_);
-  flights_.push_back({.arrival_tick = static_cast<std::int64_t>(std::ceil(arrival - kRounding)) +
-                                      fixed_delay_ticks_,
-                      .order = next_order_++,
-                      .place = place});
-  std::ranges::push_heap(flights_, IsLater);
+  arrival = last_arrival_ = std::max(arrival, last_arrival_);
+  flights_[(first_flight_ + flight_count_++) % flights_.size()] = {
+      .arrival_tick =
+          static_cast<std::int64_t>(std::ceil(arrival - kRounding)) + fixed_delay_ticks_,
+      .place = place};
 }
 
 }  // namespace gauntlet::sim

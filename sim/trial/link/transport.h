@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -28,7 +27,7 @@ struct LinkEnds {
 ///
 ///     start    = sent, or when the frame before has left the link (frame_ms)
 ///     arrival  = start + fixed delay + drawn delay;   with batches up to the next interval
-///     in order = not before the frame sent before
+///     and not before the frame sent before
 ///
 /// A frame arrives at the first tick at or after its arrival. Its fate is drawn when it is sent, so
 /// receivers of all kinds meet the same link. Neither Send() nor Deliver() throws or allocates.
@@ -46,10 +45,10 @@ class Transport {
   template <class Receive>
   void Deliver(std::int64_t tick, const Receive& receive) noexcept {
     StartWaiting(tick);
-    while (!flights_.empty() && flights_.front().arrival_tick <= tick) {
-      std::ranges::pop_heap(flights_, IsLater);
-      const int place = flights_.back().place;
-      flights_.pop_back();
+    while (flight_count_ > 0 && flights_[first_flight_].arrival_tick <= tick) {
+      const int place = flights_[first_flight_].place;
+      first_flight_ = (first_flight_ + 1) % flights_.size();
+      --flight_count_;
       receive(pool_.At(place));
       pool_.Release(place);
     }
@@ -63,7 +62,6 @@ class Transport {
  private:
   struct Flight {
     std::int64_t arrival_tick = 0;
-    std::int64_t order = 0;
     int place = 0;
   };
   struct Waiting {
@@ -71,9 +69,6 @@ class Transport {
     double delay_ticks = 0.0;
     int place = 0;
   };
-  static bool IsLater(const Flight& a, const Flight& b) noexcept {
-    return a.arrival_tick != b.arrival_tick ? a.arrival_tick > b.arrival_tick : a.order > b.order;
-  }
 
   void StartWaiting(std::int64_t tick) noexcept;
   void Start(double start_tick, double delay_ticks, int place) noexcept;
@@ -91,12 +86,13 @@ class Transport {
   DelayDraw delay_;
   LossDraw loss_;
   FramePool pool_;
-  std::vector<Flight> flights_;   // a heap, the earliest first
+  std::vector<Flight> flights_;  // a ring, in order
+  std::size_t first_flight_ = 0;
+  std::size_t flight_count_ = 0;
   std::vector<Waiting> waiting_;  // in order
   double free_tick_ = 0.0;        // when the link is free again
   double last_arrival_ = 0.0;     // of the frames that have started
   std::int64_t next_number_ = 0;
-  std::int64_t next_order_ = 0;
   std::int64_t lost_frames_ = 0;
 };
 

@@ -8,15 +8,14 @@
 namespace gauntlet::sim {
 
 bool TransportConfig::has_jitter() const {
-  return !std::holds_alternative<ConstantDelay>(delay.settings) || batch_ms > 0.0 ||
-         clock_drift_ppm != 0.0;
+  return !std::holds_alternative<ConstantDelay>(delay.settings) || batch_ms > 0.0;
 }
 
 TransportConfig TransportConfig::WithoutJitter() const {
   TransportConfig steady = *this;
   // The wait for the next batch is uniform from 0 to its interval.
   steady.delay.settings = ConstantDelay{.delay_ms = delay.MeanMs() + 0.5 * batch_ms};
-  steady.batch_ms = steady.clock_drift_ppm = 0.0;
+  steady.batch_ms = 0.0;
   return steady;
 }
 
@@ -42,9 +41,6 @@ void TransportConfig::Visit(controller::SettingsVisitor& visitor) {
       {"batch_ms", "frames arrive together at multiples of this interval; 0: each by itself", 0,
        1000},
       batch_ms);
-  visitor.Flag({"reorders", "whether a frame may overtake an earlier one"}, reorders);
-  visitor.Number({"clock_drift_ppm", "the sender's clock is this much fast", -10000, 10000},
-                 clock_drift_ppm);
 }
 
 }  // namespace gauntlet::sim

@@ -13,12 +13,10 @@ struct TransportConfig {
   LossConfig loss = {};
   double frame_ms = 0.0;  // for which a frame occupies the link
   double batch_ms = 0.0;
-  bool reorders = false;
-  double clock_drift_ppm = 0.0;
 
   /// True if the delays of two frames can differ, apart from the time for which one is occupied.
   bool has_jitter() const;
-  /// Every frame with the mean delay and the time of a true clock.
+  /// Every frame with the mean delay.
   TransportConfig WithoutJitter() const;
   void Visit(controller::SettingsVisitor& visitor);
 };
