@@ -66,20 +66,6 @@ std::string TableOf(const LiveRecord& record, const LiveResult& result, std::str
   return text;
 }
 
-/// Keeps the first ticks.
-void CutGlove(Index ticks, GloveSignal& glove) {
-  glove.true_angle_rad.KeepRows(ticks);
-  glove.counts.KeepRows((ticks + glove.ticks_per_sample - 1) / glove.ticks_per_sample);
-  if (glove.tremor_rad.rows() > 0) glove.tremor_rad.KeepRows(ticks);
-  const auto cut = [](auto& parts, Index end) {
-    std::erase_if(parts, [&](const auto& part) { return part.begin >= end; });
-    for (auto& part : parts) part.end = std::min(part.end, static_cast<int>(end));
-  };
-  cut(glove.segments, ticks);
-  cut(glove.masked, ticks);
-  cut(glove.faults, glove.counts.rows());
-}
-
 void CutTrace(Index ticks, Trace& trace) {
   ForEachSignal(trace, [&](const auto&, auto& matrix) {
     if (matrix.cols() > 0) matrix.KeepRows(ticks);

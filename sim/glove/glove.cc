@@ -273,6 +273,19 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   return glove;
 }
 
+void CutGlove(Eigen::Index ticks, GloveSignal& glove) {
+  glove.true_angle_rad.KeepRows(ticks);
+  glove.counts.KeepRows((ticks + glove.ticks_per_sample - 1) / glove.ticks_per_sample);
+  if (glove.tremor_rad.rows() > 0) glove.tremor_rad.KeepRows(ticks);
+  const auto cut = [](auto& parts, Eigen::Index end) {
+    std::erase_if(parts, [&](const auto& part) { return part.begin >= end; });
+    for (auto& part : parts) part.end = std::min(part.end, static_cast<int>(end));
+  };
+  cut(glove.segments, ticks);
+  cut(glove.masked, ticks);
+  cut(glove.faults, glove.counts.rows());
+}
+
 GloveConfig WithoutNoise(GloveConfig config) {
   config.noise = {};
   config.noise.kind = WhiteNoiseKind::kNone;

@@ -41,6 +41,9 @@ std::vector<int> ChannelsOf(const GloveConfig& config);
 /// fit.
 GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed);
 
+/// Keeps the first ticks of a signal.
+void CutGlove(Eigen::Index ticks, GloveSignal& glove);
+
 /// Glove of the same wearer, motion, tremor, sensors and converter, without noise and faults. All
 /// random streams are of their own: with the same seed nothing else changes.
 GloveConfig WithoutNoise(GloveConfig config);
