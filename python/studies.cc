@@ -40,7 +40,7 @@ struct StudyRequest {
   bool comparison = false;
   int seeds = 0;  // 0: of a comparison, as the program
   int jobs = 0;
-  std::string causes = "first";
+  std::string causes = "auto";
   std::string out;  // empty: no files
   sim::TraceFormats formats;
   OwnFilters own_filters;
@@ -50,10 +50,11 @@ using Finished = std::shared_ptr<sim::FinishedStudy>;
 
 sim::CauseSeeds CausesOf(const std::string& name) {
   if (name == "none") return sim::CauseSeeds::kNone;
+  if (name == "auto") return sim::CauseSeeds::kAuto;
   if (name == "first") return sim::CauseSeeds::kFirst;
   if (name == "all") return sim::CauseSeeds::kAll;
   throw sim::UserError(
-      {.place = "causes", .problem = "is " + name + ", must be none, first or all"});
+      {.place = "causes", .problem = "is " + name + ", must be none, auto, first or all"});
 }
 
 sim::Scenario ReadScenario(const sim::ScenarioSource& source, const StudyRequest& request,

@@ -170,14 +170,15 @@ class Controller:
 
 
 def run(scenario: Settings, *, set: Overrides = None, controllers: Sequence[str] = (), jobs: int = 0,
-        causes: str = "first", out: Union[None, str, "os.PathLike[str]"] = None, csv: bool = False, mcap: bool = False,
+        causes: str = "auto", out: Union[None, str, "os.PathLike[str]"] = None, csv: bool = False, mcap: bool = False,
         allow_programs: bool = False, progress: Progress = None) -> StudyResult:
     """Every controller of a scenario once, on the same glove signal and the same hand.
 
     set          values over those of the scenario: {"glove.motion.duration_s": 2}, or texts as of --set
     controllers  only these; empty: all
     jobs         trials at a time; 0: one per processor
-    causes       seeds whose causes of the error are found: none, first or all
+    causes       seeds whose causes of the error are found: none, first, all, or auto: as much of the first seed as
+                 takes a quarter of the time
     out          folder for the files of `gauntlet run`; None: no files
     allow_programs  run the programs that the scenario names as filters (kind external), with all rights of yours
     Errors: SettingError, RunError; KeyboardInterrupt leaves no half-written file.
@@ -186,7 +187,7 @@ def run(scenario: Settings, *, set: Overrides = None, controllers: Sequence[str]
 
 
 def compare(scenario: Settings, *, set: Overrides = None, controllers: Sequence[str] = (), seeds: int = 0,
-            jobs: int = 0, causes: str = "first", out: Union[None, str, "os.PathLike[str]"] = None, csv: bool = False,
+            jobs: int = 0, causes: str = "auto", out: Union[None, str, "os.PathLike[str]"] = None, csv: bool = False,
             mcap: bool = False, allow_programs: bool = False, progress: Progress = None) -> StudyResult:
     """The same over several seeds: means with confidence intervals, ranking, verdict.
 

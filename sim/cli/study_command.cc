@@ -49,7 +49,8 @@ std::string OutputOf(const StudyCommand& options, const std::string& scenario) {
 
 CauseSeeds CausesOf(const StudyCommand& options) {
   if (options.causes == "none") return CauseSeeds::kNone;
-  return options.causes == "all" ? CauseSeeds::kAll : CauseSeeds::kFirst;
+  if (options.causes == "first") return CauseSeeds::kFirst;
+  return options.causes == "all" ? CauseSeeds::kAll : CauseSeeds::kAuto;
 }
 
 /// The scenario with the controllers that are asked for. Fills in the number of seeds.

@@ -31,7 +31,7 @@ struct StudyCommand {
   std::string priority;  // empty: the scenario's
   bool allow_programs = false;
   bool verbose = false;
-  std::string causes = "first";
+  std::string causes = "auto";
   TerminalOptions terminal;
 
   /// `seeds_option`: --seeds or --seed.
@@ -53,10 +53,12 @@ struct StudyCommand {
         Option("--json", &json, {}, "print scores.json instead of the answer"),
         Option("--csv", &csv, {}, "also write the trace as CSV, one file per controller"),
         Option("--mcap", &mcap, {}, "also write trace.mcap, for Foxglove, PlotJuggler and rerun"),
-        Option("--causes", &causes,
-               {.value = "SEEDS", .choices = {"none", "first", "all"}, .shows_default = true},
-               "compute the causes of the error for these seeds, with five more trials for each "
-               "controller and seed"),
+        Option(
+            "--causes", &causes,
+            {.value = "SEEDS", .choices = {"none", "auto", "first", "all"}, .shows_default = true},
+            "compute the causes of the error for these seeds, with about ten more trials for "
+            "each controller and seed; auto: as much of the first seed as takes a quarter of "
+            "the time"),
         terminal.Rows(),
         Option("--map", &map, {.value = "MAP.csv", .offer = Offer::kFiles},
                "column map, with a recording in place of the scenario; its scenario is written as "

@@ -27,6 +27,12 @@ inline constexpr std::size_t kErrorCauseCount = 10;
 /// One for each cause but the last: for that there is nothing to take away.
 inline constexpr std::size_t kCauseTrialCount = kErrorCauseCount - 1;
 
+/// Causes that a trial can switch off alone, with all others as they are. A link is one cause.
+inline constexpr std::array kSwitchedCauses = {ErrorCause::kNoise,    ErrorCause::kGlove,
+                                               ErrorCause::kLink,     ErrorCause::kSaturation,
+                                               ErrorCause::kFriction, ErrorCause::kServo};
+inline constexpr std::size_t kSwitchedCauseCount = kSwitchedCauses.size();
+
 /// The mean square error of one joint by ErrorCause [rad^2]:
 ///
 ///     part_i = mean((h_(i-1) - h_i) e),   e = h_0 - r

@@ -35,6 +35,14 @@ void CheckNoiseFree(const ScoreInput& input, const ScoreRows& table, const Fits&
     Check(fits(without, table.joints.size()),
           "the hand without a cause has another shape than the hand");
   }
+  const int ticks = input.switched_off_ticks;
+  for (const Signal* const one : input.switched_off) {
+    Check(one == nullptr || (static_cast<std::size_t>(one->cols()) == table.joints.size() &&
+                             0 < ticks && ticks <= one->rows()),
+          "the hand with a cause switched off has other joints, or is shorter than its ticks");
+  }
+  Check(0 <= ticks && ticks <= input.hand_angle_rad->rows(),
+        "the hand is shorter than its trials with a cause switched off");
 }
 
 void CheckFingertips(const FingertipSignals& tips, Eigen::Index ticks) {
@@ -73,8 +81,9 @@ void CheckShapes(const ScoreInput& input, const ScoreRows& table) {
   Check(fits(input.digit_overlap_m, 1),
         "the overlap of digits is no column as long as the hand's angles");
   Check(fits(input.palm_velocity_m_s, 3), "the palm's velocity has other columns, or is shorter");
-  Check(fits(input.arm_at_rest_angle_rad, table.joints.size()),
-        "the hand with the arm at rest has another shape than the hand");
+  const Signal* const at_rest = input.arm_at_rest_angle_rad;
+  Check(at_rest == nullptr || static_cast<std::size_t>(at_rest->cols()) == table.joints.size(),
+        "the hand with the arm at rest has other joints than the hand");
   Check(table.joint_groups.empty() || table.joint_groups.size() == table.joints.size(),
         "a group is needed per joint");
   Check(fits(input.sample_age_s, 1) && fits(input.watchdog_tier, 1) &&
@@ -179,7 +188,8 @@ Scores NoScores(const ScoreRows& rows) {
 }
 
 bool NeedsNoiseFreeTwin(std::size_t metric) { return Metrics()[metric].needs_twin; }
-bool NeedsCauseTrials(std::size_t metric) { return Metrics()[metric].needs_causes; }
+bool NeedsChain(std::size_t metric) { return Metrics()[metric].needs_chain; }
+bool NeedsSwitched(std::size_t metric) { return Metrics()[metric].needs_switched; }
 
 Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
                      std::span<const std::size_t> metrics) {

@@ -71,7 +71,11 @@ struct ScoreInput {
   /// The hand in trials without one cause of the error after the other, ticks x joints; null where
   /// there is none.
   std::array<const Signal*, kCauseTrialCount> without = {};
-  double earliest_delay_s = 0.0;                           // see DelaySamples()
+  /// The hand in trials in which one of kSwitchedCauses is off and all others are on; null where
+  /// there is none. Of these and of the trial with the arm at rest the first ticks may exist alone.
+  std::array<const Signal*, kSwitchedCauseCount> switched_off = {};
+  int switched_off_ticks = 0;     // scored in `switched_off`; 0: there are no such trials
+  double earliest_delay_s = 0.0;  // see DelaySamples()
   double jitter_above_hz = ScoreConfig{}.jitter_above_hz;  // lower edge of jitter
   std::span<const double> stall_tension_n = {};            // per cable: of its motor at stall
 };
@@ -97,7 +101,8 @@ struct Metric {
   bool detailed = false;  // a column of the detailed table, beside the main ones
   bool alike = true;      // false: a mean over parts would mix what is not alike, so there is none
   bool needs_twin = false;        // no value without the noise-free signals
-  bool needs_causes = false;      // no value without the trials of ErrorCause
+  bool needs_chain = false;       // no value without the trials of ErrorCause, one after the other
+  bool needs_switched = false;    // no value without those of one cause, or with the arm at rest
   bool needs_fingertips = false;  // no value without the fingertips
   bool needs_link = false;        // no value without a link that is set
   bool extreme = false;           // one moment decides it: no mean over time
@@ -125,6 +130,18 @@ struct TrackingErrorPart {
 /// All of them, in the order of ErrorCause. None has a value without the trials of causes.
 std::span<const TrackingErrorPart> TrackingErrorParts();
 
+/// A tracking error with one cause switched off, by kSwitchedCauses.
+struct SwitchedError {
+  std::string_view key;   // of the metric
+  std::string_view name;  // for pictures and tables, behind "without"
+  std::size_t metric;     // its place in Metrics()
+};
+
+/// All of them, in the order of kSwitchedCauses.
+std::span<const SwitchedError> SwitchedErrors();
+/// The metric that they are compared with: the tracking error with all causes, over the same time.
+std::size_t ErrorWithAll();
+
 /// Values in the order of Metrics(). NaN where a score does not exist (a joint that never moved has
 /// no delay; a cable has no tracking error). A summary is the mean over the parts that have a
 /// value.
@@ -138,8 +155,10 @@ Scores NoScores(const ScoreRows& rows);
 
 /// True if a metric has no value without the noise-free signals.
 bool NeedsNoiseFreeTwin(std::size_t metric);
-/// True if it has none without the trials in which causes are taken away.
-bool NeedsCauseTrials(std::size_t metric);
+/// True if it has none without the trials in which one cause after the other is taken away.
+bool NeedsChain(std::size_t metric);
+/// True if it has none without the trials in which one cause is switched off.
+bool NeedsSwitched(std::size_t metric);
 
 /// Pure: the same signals give the same scores, on any number of threads. A hand that was stopped
 /// early is shorter than the reference; the rows that exist are scored. Only `metrics`, if there

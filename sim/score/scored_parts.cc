@@ -45,19 +45,25 @@ AllJoints::AllJoints(const ScoreInput& scored, Fourier& fourier)
       }),
       trembling_at_rest([this, &fourier] {
         if (input.arm_at_rest_angle_rad == nullptr) return FilteredSignal();
-        return Trembling(*input.arm_at_rest_angle_rad, input.rate_hz, input.jitter_above_hz,
-                         fourier);
+        return Trembling(input.arm_at_rest_angle_rad->topRows(TicksAtRest()), input.rate_hz,
+                         input.jitter_above_hz, fourier);
+      }),
+      trembling_beside_rest([this, &fourier] {
+        if (TicksAtRest() == input.hand_angle_rad->rows()) return trembling();
+        return Trembling(input.hand_angle_rad->topRows(TicksAtRest()), input.rate_hz,
+                         input.jitter_above_hz, fourier);
       }),
       noise_jitter_rad([this, &fourier] { return NoiseJitter(*this, fourier); }) {}
 
 double AllJoints::GroupJitter_rad(const FilteredSignal& jitter, std::span<const ScoredGroup> groups,
-                                  ScoredGroup group) const {
+                                  ScoredGroup group, Eigen::Index ticks) const {
   double sum_rad = 0.0;
   int joints = 0;
   for (int joint = 0; joint < std::ssize(groups); ++joint) {
     if (groups[joint] != group || jitter.values.rows() == 0) continue;
-    const CountedTicks counted = TremblingWithin(CountedOf(&CountedParts::joints, joint),
-                                                 input.rate_hz, input.jitter_above_hz);
+    const CountedTicks counted = TremblingWithin(
+        Overlap({{0, static_cast<int>(ticks)}}, CountedOf(&CountedParts::joints, joint)),
+        input.rate_hz, input.jitter_above_hz);
     const double rms_rad =
         RmsWithin(Column(jitter.values, joint, jitter.values.rows()), jitter.first_sample, counted);
     if (!std::isfinite(rms_rad)) continue;
@@ -65,6 +71,11 @@ double AllJoints::GroupJitter_rad(const FilteredSignal& jitter, std::span<const 
     ++joints;
   }
   return joints == 0 ? kNoScore : sum_rad / joints;
+}
+
+Eigen::Index AllJoints::TicksAtRest() const {
+  const Signal* const at_rest = input.arm_at_rest_angle_rad;
+  return at_rest == nullptr ? 0 : std::min(at_rest->rows(), input.hand_angle_rad->rows());
 }
 
 CountedTicks AllJoints::CountedOf(const std::vector<CountedTicks> CountedParts::*parts,
@@ -138,6 +149,21 @@ double ScoredJoint::TremblingDuring(Regime regime) const {
 double ScoredJoint::PartOfError(ErrorCause cause) const {
   const std::optional<ErrorByCauses>& parts = error_parts();
   return parts ? (*parts)[static_cast<std::size_t>(cause)] : kNoScore;
+}
+
+double ScoredJoint::ErrorOfSwitched(const Signal* hand) const {
+  const int ticks = all_.input.switched_off_ticks;
+  if (ticks == 0 || hand == nullptr) return kNoScore;
+  std::vector<double> error(static_cast<std::size_t>(ticks));
+  for (int n = 0; n < ticks; ++n) error[n] = (*hand)(n, column_) - reference_rad[n];
+  return RmsWithin(error, 0, Overlap({{0, ticks}}, counted));
+}
+
+double ScoredJoint::ErrorWithAll() const { return ErrorOfSwitched(all_.input.hand_angle_rad); }
+
+double ScoredJoint::ErrorWithout(ErrorCause cause) const {
+  const auto place = std::ranges::find(kSwitchedCauses, cause) - kSwitchedCauses.begin();
+  return ErrorOfSwitched(all_.input.switched_off[static_cast<std::size_t>(place)]);
 }
 
 }  // namespace gauntlet::sim

@@ -45,13 +45,17 @@ struct AllJoints {
   /// Counted ticks of a part: its own, or all where nothing is left out.
   CountedTicks CountedOf(const std::vector<CountedTicks> CountedParts::*parts, int part) const;
   CountedTicks CountedOfHand() const;
-  /// Mean over the joints of a group of the RMS of their jitter; kNoScore for a group without one.
+  /// Mean over the joints of a group of the RMS of their jitter, within the first `ticks`; kNoScore
+  /// for a group without one.
   double GroupJitter_rad(const FilteredSignal& jitter, std::span<const ScoredGroup> groups,
-                         ScoredGroup group) const;
+                         ScoredGroup group, Eigen::Index ticks) const;
+  /// Ticks of the trial in which the arm rests: the first of the trial, or all.
+  Eigen::Index TicksAtRest() const;
 
   const ScoreInput& input;
   Lazy<FilteredSignal> trembling;              // of the hand above jitter_above_hz
   Lazy<FilteredSignal> trembling_at_rest;      // while the arm rests; no rows: not known
+  Lazy<FilteredSignal> trembling_beside_rest;  // of the hand in the same ticks
   Lazy<std::vector<double>> noise_jitter_rad;  // RMS of what noise adds to it; empty: not known
 };
 
@@ -80,8 +84,15 @@ struct ScoredJoint {
   double TremblingDuring(Regime regime) const;
   /// Part of the mean square error [rad^2], kNoScore if it is not known.
   double PartOfError(ErrorCause cause) const;
+  /// RMS of the error in the ticks of the trials with one cause switched off [rad]; kNoScore
+  /// without such trials.
+  double ErrorWithAll() const;
+  /// RMS of the error without this cause, one of kSwitchedCauses.
+  double ErrorWithout(ErrorCause cause) const;
 
  private:
+  /// RMS of hand - reference in the ticks of the trials with one cause switched off [rad].
+  double ErrorOfSwitched(const Signal* hand) const;
   /// Motion of the hand above jitter_above_hz; the first belongs to a tick of `all_`.
   std::span<const double> trembling_rad() const;
 
@@ -125,11 +136,16 @@ struct ScoredHand {
   Fourier& fourier;
 
   double JitterOf_rad(ScoredGroup group) const {
-    return all.GroupJitter_rad(all.trembling(), joint_groups, group);
+    return all.GroupJitter_rad(all.trembling(), joint_groups, group,
+                               all.input.hand_angle_rad->rows());
   }
-  /// Jitter of the fingers in the trial in which the arm rests; kNoScore: not known.
-  double JitterWithoutArm_rad() const {
-    return all.GroupJitter_rad(all.trembling_at_rest(), joint_groups, ScoredGroup::kFinger);
+  /// Share of the fingers' jitter that is not there in the trial in which the arm rests; kNoScore:
+  /// not known.
+  double ArmShareOfJitter() const {
+    const auto of_fingers = [this](const FilteredSignal& jitter) {
+      return all.GroupJitter_rad(jitter, joint_groups, ScoredGroup::kFinger, all.TicksAtRest());
+    };
+    return 1.0 - of_fingers(all.trembling_at_rest()) / of_fingers(all.trembling_beside_rest());
   }
 };
 

@@ -5,12 +5,17 @@
 #include <variant>
 
 #include "sim/base/error.h"
+#include "sim/study/noise_free_twin.h"
 #include "sim/trial/filter_trial.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_recorder.h"
 
 namespace gauntlet::sim {
 namespace {
+
+// Trials for causes that are neither noise, glove, arm nor the parts of a link.
+constexpr int kSwitchedHands = 4;
+constexpr int kChainHands = 5;  // that of the glove, too
 
 /// Commands at once, at every tick if may be.
 void RemoveLink(bool keeps_events, Scenario& scenario) {
@@ -34,14 +39,14 @@ void RemoveServo(HandConfig& hand) {
 }
 
 /// A glove whose sensors are as the controller takes them to be.
-GloveConfig WithoutErrors(GloveConfig config) {
+GloveConfig WithExactSensors(GloveConfig config) {
   const SensorConfig exact = {.gain_deviation_percent = 0.0,
                               .offset_deviation_percent = 0.0,
                               .curvature_deviation_percent = 0.0,
                               .cross_talk_percent = 0.0,
                               .hysteresis_deg = 0.0};
   config.sensor = exact;
-  return WithoutNoise(std::move(config));
+  return config;
 }
 
 bool HasArm(const HandModel& hand) {
@@ -100,66 +105,110 @@ bool HaveJitter(LinksConfig links) {
   return any;
 }
 
+/// The hand's angles in a trial; empty where it is stopped.
+Signal HandOf(const TrialSetup& setup, const GloveSignal& glove,
+              const CauseTrials::Subject& subject) {
+  const Eigen::Index blocks =
+      subject.glove.true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1;  // of a whole trial
+  Trace trace =
+      RunTrial(setup, glove,
+               {.keep_going = [&] { return subject.progress(1.0 / static_cast<double>(blocks)); },
+                .signals = {"hand_angle_rad"}});
+  return trace.health.ok ? std::move(trace.hand_angle_rad) : Signal();
+}
+
 }  // namespace
 
-int CauseTrialsOf(const Study& study) {
+int SwitchedTrialsOf(const Study& study, int seed) {
+  const bool knows_glove = TwinOf(study, seed) != TwinSource::kNone;
+  return kSwitchedHands + int{knows_glove} + int{HasArm(*study.hand)};
+}
+
+int ChainTrialsOf(const Study& study) {
   int most_links = 0;
   for (const NamedController& named : study.scenario.controllers) {
     const LinksConfig links = LinksOf(study.scenario, named);
     most_links = std::max(most_links, int{HaveLoss(links)} + int{HaveJitter(links)});
   }
-  return kCauseHands + most_links + int{HasArm(*study.hand)};
+  return kChainHands + most_links;
 }
 
-std::shared_ptr<const HandModel> CauseTrials::HandWithout(ErrorCause cause, bool keeps_events) {
+std::shared_ptr<const HandModel> CauseTrials::HandWithout(const Causes& causes, bool keeps_events) {
   const std::lock_guard lock(mutex_);
-  std::shared_ptr<const HandModel>& hand = hands_[{cause, keeps_events}];
+  std::shared_ptr<const HandModel>& hand = hands_[{causes, keeps_events}];
   if (hand) return hand;
   Scenario scenario = study_.scenario;
-  RemoveLink(keeps_events, scenario);
-  if (cause >= ErrorCause::kSaturation) scenario.hand.motor_limits = false;
-  if (cause >= ErrorCause::kFriction) RemoveFriction(scenario.hand);
-  if (cause >= ErrorCause::kServo) RemoveServo(scenario.hand);
+  if (causes.contains(ErrorCause::kLink)) RemoveLink(keeps_events, scenario);
+  if (causes.contains(ErrorCause::kSaturation)) scenario.hand.motor_limits = false;
+  if (causes.contains(ErrorCause::kFriction)) RemoveFriction(scenario.hand);
+  if (causes.contains(ErrorCause::kServo)) RemoveServo(scenario.hand);
   hand = std::make_shared<const HandModel>(scenario.hand, TimingOf(scenario));
   return hand;
 }
 
-CauseAngles CauseTrials::Run(const NamedController& named, int seed, const GloveSignal& glove,
-                             const Signal& noise_free,
-                             const std::function<bool(double)>& progress) {
+CauseAngles CauseTrials::Run(const CausePlan& plan, const Subject& subject) {
   CauseAngles angles;
-  const bool is_known = noise_free.cols() > 0;
-  const GloveConfig& config = GloveOf(study_.scenario, seed);
+  if (plan.switched) {
+    angles.switched_off_ticks = plan.ticks.value_or(subject.glove.true_angle_rad.rows());
+    RunSwitched(subject, angles);
+  }
+  if (plan.chain) RunChain(subject, angles);
+  return angles;
+}
+
+void CauseTrials::RunSwitched(const Subject& subject, CauseAngles& angles) {
+  const Eigen::Index ticks = angles.switched_off_ticks;
+  GloveSignal glove = subject.glove;
+  CutGlove(ticks, glove);
+  const TrialSetup all_on = SetupOf(study_, subject.named, subject.seed);
+  const auto run = [&](const TrialSetup& setup, const GloveSignal& used) {
+    return HandOf(setup, used, subject);
+  };
+  const auto of = [&](ErrorCause cause) -> Signal& {
+    return angles.switched_off[std::ranges::find(kSwitchedCauses, cause) - kSwitchedCauses.begin()];
+  };
+  if (HasArm(*study_.hand)) {
+    TrialSetup at_rest = all_on;
+    at_rest.joint_map = WithArmAtRest(study_, glove);
+    angles.arm_at_rest = run(at_rest, glove);
+  }
+  if (subject.noise_free.cols() > 0 && UsesGloveAsItIs(all_on.controller)) {
+    GloveSignal exact = SynthesiseGlove(WithExactSensors(GloveOf(study_.scenario, subject.seed)),
+                                        static_cast<std::uint64_t>(subject.seed));
+    CutGlove(ticks, exact);
+    of(ErrorCause::kGlove) = run(all_on, exact);
+  }
+  const bool keeps_events = all_on.controller.filter_at == controller::FilterAt::kEvent;
+  for (const ErrorCause cause :
+       {ErrorCause::kLink, ErrorCause::kSaturation, ErrorCause::kFriction, ErrorCause::kServo}) {
+    TrialSetup setup = all_on;
+    setup.hand = HandWithout({cause}, keeps_events);
+    if (cause == ErrorCause::kLink) setup.links.config = {};
+    of(cause) = run(setup, glove);
+  }
+}
+
+void CauseTrials::RunChain(const Subject& subject, CauseAngles& angles) {
+  const bool is_known = subject.noise_free.cols() > 0;
+  const GloveConfig& config = GloveOf(study_.scenario, subject.seed);
   GloveSignal other;
-  const GloveSignal* used = &glove;
+  const GloveSignal* used = &subject.glove;
   const auto use = [&](const GloveConfig& with) {
-    other = SynthesiseGlove(with, static_cast<std::uint64_t>(seed));
+    other = SynthesiseGlove(WithoutNoise(with), static_cast<std::uint64_t>(subject.seed));
     used = &other;
   };
-  TrialSetup setup = SetupOf(study_, named, seed);
-  const auto run = [&] {
-    const Eigen::Index blocks = used->true_angle_rad.rows() / TraceRecorder::kBlockTicks + 1;
-    Trace trace =
-        RunTrial(setup, *used,
-                 {.keep_going = [&] { return progress(1.0 / static_cast<double>(blocks)); },
-                  .signals = {"hand_angle_rad"}});
-    return trace.health.ok ? std::move(trace.hand_angle_rad) : Signal();
-  };
+  TrialSetup setup = SetupOf(study_, subject.named, subject.seed);
+  const auto run = [&] { return HandOf(setup, *used, subject); };
   const auto of = [&](ErrorCause cause) -> Signal& {
     return angles.without[static_cast<std::size_t>(cause)];
   };
-  if (HasArm(*study_.hand)) {
-    setup.joint_map = WithArmAtRest(study_, glove);
-    angles.arm_at_rest = run();
-    setup.joint_map = study_.scenario.joint_map;
-  }
   if (is_known) {
-    of(ErrorCause::kNoise) = noise_free;
+    of(ErrorCause::kNoise) = subject.noise_free;
     if (UsesGloveAsItIs(setup.controller)) {
-      use(WithoutErrors(config));
+      use(WithExactSensors(config));
       of(ErrorCause::kGlove) = run();
     } else {
-      use(WithoutNoise(config));
+      use(config);
     }
   }
   LinksConfig& links = setup.links.config;
@@ -173,14 +222,15 @@ CauseAngles CauseTrials::Run(const NamedController& named, int seed, const Glove
   }
   const bool keeps_events = setup.controller.filter_at == controller::FilterAt::kEvent;
   links = {};
+  Causes off;
   for (const ErrorCause cause :
        {ErrorCause::kLink, ErrorCause::kSaturation, ErrorCause::kFriction, ErrorCause::kServo}) {
-    setup.hand = HandWithout(cause, keeps_events);
+    off.insert(cause);
+    setup.hand = HandWithout(off, keeps_events);
     of(cause) = run();
   }
   Trace rest = RunFilterTrial(setup, *used);
   if (rest.health.ok) of(ErrorCause::kRest) = std::move(rest.hand_angle_rad);
-  return angles;
 }
 
 }  // namespace gauntlet::sim

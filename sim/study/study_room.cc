@@ -39,9 +39,12 @@ Needs NeedsOf(const Study& study, const StudyOptions& options) {
   // Columns of numbers with a row per tick.
   const double glove = (twins ? 6.0 : 3.0) * channels + joints;
   const double twin = twins ? joints + motors : 0.0;
-  const double causes = options.causes == CauseSeeds::kNone
-                            ? 0.0
-                            : static_cast<double>(kCauseTrialCount + 1) * joints;
+  const CausePlan plan = PlanCauses(study, options.seeds, options.causes);
+  const double share_of_trial =
+      plan.ticks ? static_cast<double>(*plan.ticks) / static_cast<double>(LongestTicks(study))
+                 : 1.0;
+  const double causes = joints * ((plan.switched ? kSwitchedCauseCount * share_of_trial : 0.0) +
+                                  (plan.chain ? static_cast<double>(kCauseTrialCount) : 0.0));
   const double trace = 2.0 * channels + 2.0 * joints + 2.625 * motors + cables +
                        kObjectDigitsAndPalm + twin + causes;
   const double in_passing =

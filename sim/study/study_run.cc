@@ -10,6 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/base/threads.h"
 #include "sim/score/no_score.h"
+#include "sim/study/cause_trials.h"
 #include "sim/study/repeats.h"
 #include "sim/study/study_room.h"
 #include "sim/study/trial_queue.h"
@@ -30,12 +31,26 @@ std::optional<NoiseFreeTwin> AsTwin(AnyTrace&& trace) {
                        .spool_speed_rad_s = std::forward<AnyTrace>(trace).spool_speed_rad_s};
 }
 
-/// Deletes causes of a stored trial that were not asked for: results do not depend on earlier runs.
-void ForgetCauses(Scores& scores) {
-  for (const TrackingErrorPart& part : TrackingErrorParts()) {
-    scores.summary[part.metric] = kNoScore;
-    for (std::vector<double>& row : scores.channels) row[part.metric] = kNoScore;
+/// Deletes the scores of a trial that need trials for causes, of one kind or of both.
+void ForgetCauses(bool switched, bool chain, Scores& scores) {
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    if (!(switched && NeedsSwitched(m)) && !(chain && NeedsChain(m))) continue;
+    scores.summary[m] = kNoScore;
+    for (std::vector<double>& row : scores.channels) row[m] = kNoScore;
   }
+}
+
+/// Causes that are named as scores are found of all seeds, and of whole trials.
+CausePlan PlanOf(const Study& study, const StudyOptions& options) {
+  CausePlan plan;
+  if (!options.physics) return plan;
+  if (options.scores.empty()) return PlanCauses(study, options.seeds, options.causes);
+  plan.switched = std::ranges::any_of(options.scores, NeedsSwitched);
+  plan.chain = std::ranges::any_of(options.scores, NeedsChain);
+  if (plan.switched || plan.chain) plan.seeds = options.seeds;
+  plan.trials = (plan.switched ? SwitchedTrialsOf(study, study.scenario.seed) : 0) +
+                (plan.chain ? ChainTrialsOf(study) : 0);
+  return plan;
 }
 
 void FindDurations(const Study& study, StudyResult& result) {
@@ -63,6 +78,7 @@ class StudyRun {
   StudyRun(const Study& study, const StudyOptions& options)
       : study_(study),
         options_(options),
+        causes_(PlanOf(study, options)),
         cause_trials_(study),
         queue_(static_cast<std::size_t>(options.seeds), study.scenario.controllers.size(),
                static_cast<std::size_t>(std::max(1, options.jobs))) {
@@ -75,7 +91,9 @@ class StudyRun {
       const int seed = study.scenario.seed + i;
       result_.seeds.push_back(
           {.seed = seed, .controllers = std::vector<TrialOutcome>(controllers)});
-      trials_in_all_ += TrialsOf(static_cast<std::size_t>(i)) * static_cast<int>(controllers);
+      for (std::size_t c = 0; c < controllers; ++c) {
+        trials_in_all_ += TrialsOf(static_cast<std::size_t>(i), c);
+      }
     }
     if (options.keep_first_traces) {
       result_.first_traces.resize(controllers);
@@ -97,6 +115,7 @@ class StudyRun {
   }
 
   StudyResult Finish() {
+    result_.causes = causes_;
     if (first_glove_) {
       result_.reference_name = first_glove_->signal->reference_name;
       result_.first_glove = std::move(first_glove_->signal);
@@ -111,18 +130,12 @@ class StudyRun {
   TwinSource WantedTwin(int seed) const {
     const bool wanted = options_.scores.empty() ||
                         std::ranges::any_of(options_.scores, NeedsNoiseFreeTwin) ||
-                        std::ranges::any_of(options_.scores, NeedsCauseTrials);
+                        causes_.seeds > 0;
     return wanted ? TwinOf(study_, seed) : TwinSource::kNone;
   }
-  bool WantsCauses(std::size_t seed_index) const {
-    if (!options_.physics) return false;
-    if (!options_.scores.empty()) return std::ranges::any_of(options_.scores, NeedsCauseTrials);
-    return options_.causes == CauseSeeds::kAll ||
-           (options_.causes == CauseSeeds::kFirst && seed_index == 0);
-  }
-  int TrialsOf(std::size_t seed_index) const {
-    return (WantedTwin(result_.seeds[seed_index].seed) == TwinSource::kTrial ? 2 : 1) +
-           (WantsCauses(seed_index) ? CauseTrialsOf(study_) : 0);
+  double TrialsOf(std::size_t seed_index, std::size_t controller_index) const {
+    return (WantedTwin(result_.seeds[seed_index].seed) == TwinSource::kTrial ? 2.0 : 1.0) +
+           (causes_.Has(seed_index, controller_index) ? causes_.trials : 0.0);
   }
 
   /// Unless they are there; a thread that needs them meanwhile waits.
@@ -177,10 +190,14 @@ class StudyRun {
     outcome.health = trace.health;
     const NamedController& named = study_.scenario.controllers[controller_index];
     CauseAngles others;
-    if (WantsCauses(seed_index) && trace.health.ok) {
-      others = cause_trials_.Run(named, SeedOf(task), *glove.signal,
-                                 twin ? twin->hand_angle_rad : Signal(),
-                                 [this](double trials) { return Progress(trials); });
+    if (causes_.Has(seed_index, controller_index) && trace.health.ok) {
+      const Signal unknown;
+      others = cause_trials_.Run(causes_,
+                                 {.named = named,
+                                  .seed = SeedOf(task),
+                                  .glove = *glove.signal,
+                                  .noise_free = twin ? twin->hand_angle_rad : unknown,
+                                  .progress = [this](double trials) { return Progress(trials); }});
     }
     const auto score = [&](const CountedTicks& left_out) {
       return ScoreTrial(study_, named.config, *glove.signal, glove.reference_rad, trace, twin,
@@ -212,7 +229,14 @@ class StudyRun {
   void FinishTrial(std::size_t seed_index, std::size_t controller_index) {
     TrialOutcome& outcome = OutcomeOf(seed_index, controller_index);
     if (options_.store != nullptr) {
-      options_.store->Keep(result_.seeds[seed_index].seed, controller_index, outcome);
+      const int seed = result_.seeds[seed_index].seed;
+      if (causes_.ticks && causes_.Has(seed_index, controller_index)) {
+        TrialOutcome kept = outcome;  // of a whole trial alone
+        ForgetCauses(true, true, kept.scores);
+        options_.store->Keep(seed, controller_index, kept);
+      } else {
+        options_.store->Keep(seed, controller_index, outcome);
+      }
     }
     if (!options_.keep_rows) outcome.scores.channels = {};
     for (Scores& one : outcome.without) one.channels = {};
@@ -243,12 +267,21 @@ class StudyRun {
     if (!known) return false;
     const NamedController& named = study_.scenario.controllers[controller_index];
     if (!known->health.ok && HasPrograms(named.config)) return false;  // it may go well now
-    const bool has_causes =
-        std::isfinite(known->scores.summary[TrackingErrorParts().back().metric]);
-    if (WantsCauses(seed_index) && known->health.ok && !has_causes) return false;
-    if (options_.scores.empty() && !WantsCauses(seed_index)) ForgetCauses(known->scores);
+    const bool wants = causes_.Has(seed_index, controller_index);
+    const auto lacks = [&](bool wanted, std::size_t metric) {
+      return wanted && (causes_.ticks || !std::isfinite(known->scores.summary[metric]));
+    };
+    if (wants && known->health.ok && options_.scores.empty() &&
+        (lacks(causes_.switched, ErrorWithAll()) ||
+         lacks(causes_.chain, TrackingErrorParts().back().metric))) {
+      return false;
+    }
+    if (options_.scores.empty()) {
+      // Results do not depend on what earlier runs computed.
+      ForgetCauses(!wants || !causes_.switched, !wants || !causes_.chain, known->scores);
+    }
     OutcomeOf(seed_index, controller_index) = std::move(*known);
-    Progress(TrialsOf(seed_index));
+    Progress(TrialsOf(seed_index, controller_index));
     return true;
   }
 
@@ -257,39 +290,33 @@ class StudyRun {
     if (!options_.progress) return true;
     const std::lock_guard lock(mutex_);
     trials_done_ += trials;
-    return options_.progress(std::min(trials_done_, static_cast<double>(trials_in_all_)),
-                             trials_in_all_);
+    const int all = static_cast<int>(std::ceil(trials_in_all_));
+    return options_.progress(std::min(trials_done_, static_cast<double>(all)), all);
   }
 
   const Study& study_;
   const StudyOptions& options_;
+  CausePlan causes_;
   CauseTrials cause_trials_;
   TrialQueue queue_;
   StudyResult result_;
   std::shared_ptr<SeedGloves::Shared> first_glove_;
   std::mutex mutex_;  // of the progress
   double trials_done_ = 0.0;
-  int trials_in_all_ = 0;  // twins counted
+  double trials_in_all_ = 0.0;  // twins counted
 };
 
 }  // namespace
 
-TwinSource TwinOf(const Study& study, int seed) {
-  if (!study.scenario.score.noise_free_twin) return TwinSource::kNone;
-  const int repetition = (seed - study.scenario.seed) % static_cast<int>(study.repetitions.size());
-  if (study.repetitions[repetition].is_recorded) return TwinSource::kNone;
-  const bool itself = IsWithoutNoise(GloveOf(study.scenario, seed));
-  return itself ? TwinSource::kItself : TwinSource::kTrial;
-}
-
 int TrialCount(const Study& study, int seeds, CauseSeeds causes) {
-  int count = causes == CauseSeeds::kNone
-                  ? 0
-                  : CauseTrialsOf(study) * (causes == CauseSeeds::kAll ? seeds : 1);
+  const CausePlan plan = PlanCauses(study, seeds, causes);
+  const auto controllers = static_cast<double>(study.scenario.controllers.size());
+  double count = plan.seeds * plan.trials * (plan.controller ? 1.0 : controllers);
   for (int i = 0; i < seeds; ++i) {
-    count += TwinOf(study, study.scenario.seed + i) == TwinSource::kTrial ? 2 : 1;
+    const bool twin = TwinOf(study, study.scenario.seed + i) == TwinSource::kTrial;
+    count += (twin ? 2.0 : 1.0) * controllers;
   }
-  return count * static_cast<int>(study.scenario.controllers.size());
+  return static_cast<int>(std::ceil(count));
 }
 
 StudyResult RunStudy(const Study& study, const StudyOptions& asked) {

@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/study/cause_trials.h"
+#include "sim/study/cause_plan.h"
+#include "sim/study/noise_free_twin.h"
 #include "sim/study/study.h"
 
 namespace gauntlet::sim {
@@ -37,9 +38,6 @@ struct SeedOutcome {
   int motion = 0;  // number of what the wearer did, from 0: the same where the true angles are
   std::vector<TrialOutcome> controllers;  // in the order of the scenario
 };
-
-/// The seeds of which the causes of the error are found, by CauseTrialsOf() more trials for each.
-enum class CauseSeeds { kNone, kFirst, kAll };
 
 struct StudyOptions {
   int seeds = 1;  // seed, seed + 1, ...
@@ -78,6 +76,7 @@ struct StudyResult {
   bool seeds_alike = false;
   double shortest_s = 0.0;  // of the trials, as far as the wearer's motion goes
   double longest_s = 0.0;
+  CausePlan causes;  // of which trials causes were found
   std::shared_ptr<const GloveSignal> first_glove;
   Signal first_reference_rad;  // ticks x joints of the hand
   std::vector<Trace> first_traces;
@@ -85,15 +84,7 @@ struct StudyResult {
   std::vector<CauseAngles> first_others;                  // of these trials, if causes are found
 };
 
-/// Source of the noise-free twin of the trials of a seed.
-enum class TwinSource {
-  kNone,    // not wanted, or not to be had: a recorded glove cannot be without its noise
-  kItself,  // the trial has no noise, nor faults
-  kTrial,   // a trial of its own, before the other
-};
-TwinSource TwinOf(const Study& study, int seed);
-
-/// Number of trials of so many seeds, twins and those of causes included.
+/// Number of trials of so many seeds, twins and those of causes included, cut ones as parts.
 int TrialCount(const Study& study, int seeds, CauseSeeds causes = CauseSeeds::kNone);
 
 /// Runs every controller on every seed, `jobs` trials at a time; repetitions take turns. Where

@@ -249,6 +249,15 @@ Scores ScoreTrial(const Study& study, const controller::ControllerConfig& contro
     measured_without[i].emplace(others.without[i], study.measured_joints);
     input.without[i] = &**measured_without[i];
   }
+  std::array<std::optional<Columns<Signal>>, kSwitchedCauseCount> measured_switched;
+  input.switched_off_ticks = static_cast<int>(others.switched_off_ticks);
+  for (std::size_t i = 0; i < kSwitchedCauseCount; ++i) {
+    if (others.switched_off[i].cols() == 0) continue;
+    measured_switched[i].emplace(others.switched_off[i], study.measured_joints);
+    input.switched_off[i] = &**measured_switched[i];
+  }
+  static_assert(kSwitchedCauses.front() == ErrorCause::kNoise);
+  if (input.switched_off_ticks > 0) input.switched_off[0] = input.noise_free_hand_angle_rad;
   const RecordedColumns<Signal> arm_at_rest(others.arm_at_rest, study.measured_joints);
   input.arm_at_rest_angle_rad = arm_at_rest.get();
   input.earliest_delay_s = EarliestDelay_s(*study.hand, controller);

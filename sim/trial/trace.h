@@ -58,12 +58,16 @@ struct NoiseFreeTwin {
 /// The signals of a trace that it is made of.
 inline constexpr std::string_view kTwinSignals[] = {"hand_angle_rad", "spool_speed_rad_s"};
 
-/// The hand's angles of the trials in which one cause of the error after the other is taken away,
-/// see ErrorCause: the last are what the controller asks for. Ticks x joints; without columns where
-/// a cause cannot be taken away.
+/// The hand's angles of the trials for the causes of the error, ticks x joints; without columns
+/// where there is no such trial.
 struct CauseAngles {
+  /// One cause after the other is taken away, see ErrorCause: the last are what the controller asks
+  /// for.
   std::array<Signal, kCauseTrialCount> without;
+  /// One of kSwitchedCauses is off. That of noise is in the noise-free twin.
+  std::array<Signal, kSwitchedCauseCount> switched_off;
   Signal arm_at_rest;  // of the trial in which nothing is wrong but that the arm stands still
+  Eigen::Index switched_off_ticks = 0;  // of these and of arm_at_rest; 0: they did not run
 };
 
 }  // namespace gauntlet::sim

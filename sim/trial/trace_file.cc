@@ -272,6 +272,13 @@ void TraceWriter::Add(const Trace& trace, const NoiseFreeTwin* twin, const Cause
             angles.without[i + 1]);
     }
     write("asked_angle_rad", "rad", TraceColumns::kJoints, angles.without.back());
+    constexpr const char* kSwitched[] = {"noise",      "glove",    "link",
+                                         "saturation", "friction", "servo"};
+    static_assert(std::size(kSwitched) == kSwitchedCauseCount);
+    for (std::size_t i = 0; i < std::size(kSwitched); ++i) {
+      write(fmt::format("without_{}_alone_hand_angle_rad", kSwitched[i]), "rad",
+            TraceColumns::kJoints, angles.switched_off[i]);
+    }
     write("arm_at_rest_hand_angle_rad", "rad", TraceColumns::kJoints, angles.arm_at_rest);
     WriteText(group, "health", trace.health.ok ? "ok" : trace.health.problem);
     state_->controllers.push_back(trace.controller_name);

@@ -296,7 +296,7 @@ TEST(ComparisonVerdict, WarnsOfAnArmThatMakesMoreThanATenthOfTheFingersJitter) {
       controller.summary[MetricIndex("finger_jitter_rms_deg")].mean = jitter_deg;
       MeanInterval& of_arm = controller.summary[MetricIndex("arm_share_of_finger_jitter")];
       of_arm.mean = share;
-      of_arm.count = seeds;
+      summary.causes.seeds = seeds;
       share = 0.04;
     }
     return AnswerOf(summary).verdict.Doubts();
@@ -316,17 +316,37 @@ TEST(ComparisonVerdict, WarnsOfSaturationInterpenetrationAndOneMotion) {
     controller.summary[MetricIndex("digit_overlap_share")].mean = 0.25;
     const bool drops = controller.name == "raw" || controller.name == "mean";
     controller.summary[MetricIndex("object_dropped_share")].mean = drops ? 0.5 : 0.0;
-    for (const TrackingErrorPart& part : TrackingErrorParts()) {
-      controller.summary[part.metric].mean = 0.0;
-    }
-    controller.summary[MetricIndex("error_saturation_deg2")].mean = 3.0;
-    controller.summary[MetricIndex("error_rest_deg2")].mean = 1.0;
+    controller.summary[ErrorWithAll()].mean = 4.0;
+    controller.summary[MetricIndex("error_without_saturation_deg")].mean = 3.7;
   }
   EXPECT_THAT(AnswerOf(summary).verdict.Doubts(),
               ElementsAre("One motion: the confidence intervals cover noise only.",
-                          "Actuator saturation causes 75 % of the squared error of prediction.",
+                          "Motors saturate: without their limits, the tracking error of "
+                          "prediction is 3.70 deg in place of 4.00.",
                           "Fingers interpenetrate for 25 % of the time (hand.contact).",
                           "The object falls with raw in 50 % of trials and with mean in 50 %."));
+}
+
+TEST(ComparisonVerdict, WarnsOfSaturationFromATenthOfTheSquaredErrorOn) {
+  const auto warned = [](double without_deg, std::size_t known) {
+    Summary summary = Of(kDoor);
+    summary.causes.seeds = 1;
+    summary.causes.stretch_s = 4.5;
+    for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
+      std::vector<MeanInterval>& values = summary.controllers[c].summary;
+      values[ErrorWithAll()].mean = c == known ? 4.0 : NAN;
+      values[MetricIndex("error_without_saturation_deg")].mean = c == known ? without_deg : NAN;
+    }
+    return AnswerOf(summary).verdict.Doubts();
+  };
+  const std::size_t baseline = *Of(kDoor).baseline;
+  const std::string name = Of(kDoor).controllers[baseline].name;
+  EXPECT_THAT(
+      warned(3.79, baseline),
+      testing::Contains("Motors saturate: without their limits, the tracking error of " + name +
+                        " is 3.79 deg in place of 4.00 (first 4.5 s of the first seed)."));
+  EXPECT_THAT(warned(3.80, baseline),
+              testing::Not(testing::Contains(testing::HasSubstr("Motors saturate"))));
 }
 
 TEST(ComparisonVerdict, RarelyRecommendsWhatIsWorseByTwiceTheSmallestRelevantDifference) {

@@ -40,6 +40,9 @@ WITHOUT = {"noise": "noise_free_hand_angle_rad", "glove": "without_glove_hand_an
            "link": "without_link_hand_angle_rad", "saturation": "without_saturation_hand_angle_rad",
            "friction": "without_friction_hand_angle_rad", "servo": "without_servo_hand_angle_rad",
            "rest": "asked_angle_rad"}
+# The trials in which one cause alone is switched off; they may be the first seconds of the motion.
+ALONE = {"noise": "noise_free_hand_angle_rad"} | {cause: f"without_{cause}_alone_hand_angle_rad" for cause in (
+    "glove", "link", "saturation", "friction", "servo")}
 ERROR_PARTS = [f"error_{cause}_deg2" for cause in (*WITHOUT, "controller")]
 NO_SUMMARY = {"tension_peak_n"}  # a finger's cable and a shoulder's are not alike
 SPLIT = re.compile("(rest|slow|fast|onset|reversal)_.*_deg|overshoot_deg")
@@ -584,14 +587,18 @@ def group_of(joint):
     return next((group for group, names in GROUPS.items() if joint.startswith(names)), "finger")
 
 
-def group_scores(jitter_deg, at_rest_deg, palm_m_s, context, counted):
-    """jitter_deg, at_rest_deg: joint -> jitter, of the trial and of the one with the arm at rest."""
+def group_scores(jitter_deg, beside_rest_deg, at_rest_deg, palm_m_s, context, counted):
+    """jitter_deg, at_rest_deg: joint -> jitter, of the trial and of the one with the arm at rest; beside_rest_deg: of
+    the trial in the time of that one."""
     scores = {}
+
+    def of_fingers(jitter):
+        return [x for name, x in jitter.items() if group_of(name) == "finger" and not np.isnan(x)]
     for group in ("finger", "wrist", "arm"):
         values = [x for name, x in jitter_deg.items() if group_of(name) == group and not np.isnan(x)]
         scores[group + "_jitter_rms_deg"] = np.mean(values) if values else NAN
-    at_rest = [x for name, x in at_rest_deg.items() if group_of(name) == "finger" and not np.isnan(x)]
-    scores["arm_share_of_finger_jitter"] = 1 - np.mean(at_rest) / scores["finger_jitter_rms_deg"] if at_rest else NAN
+    at_rest = of_fingers(at_rest_deg)
+    scores["arm_share_of_finger_jitter"] = 1 - np.mean(at_rest) / np.mean(of_fingers(beside_rest_deg)) if at_rest else NAN
     if palm_m_s is None:
         return scores | {"palm_acceleration_m_s2": NAN}
     acceleration = context.rate_hz * np.diff(palm_m_s, axis=0)
@@ -629,6 +636,18 @@ def error_parts(reference, hand, without, counted):
     return parts
 
 
+def errors_without(reference, hand, alone, ticks, counted):
+    """The tracking error with all causes, and without each. `alone`: cause -> the hand without it, where there is
+    such a trial; ticks: of these trials, 0 without any."""
+    def error(angle):
+        if angle is None or ticks == 0:
+            return NAN
+        return rms(np.degrees(angle[:ticks] - reference[:ticks])[ticks_of(counted, len(hand))[:ticks]])
+
+    return {"error_with_all_deg": error(hand)} | {
+        f"error_without_{cause}_deg": error(alone.get(cause)) for cause in ALONE}
+
+
 # The project's hand, as its model card says
 
 
@@ -658,8 +677,9 @@ def jitter_of(values, context, counted):
     return rms(within(trembling, first, trembles))
 
 
-def joint_scores(reference, hand, quiet_hand, without, context, earliest_s, counted):
-    """quiet_hand: of the noise-free trial, None if there is none; without: see error_parts."""
+def joint_scores(reference, hand, quiet_hand, without, alone, ticks, context, earliest_s, counted):
+    """quiet_hand: of the noise-free trial, None if there is none; without: see error_parts; alone, ticks: see
+    errors_without."""
     rate_hz = context.rate_hz
     wearer = Wearer(reference, rate_hz, context.segments, counted)
     error = np.degrees(hand - reference)
@@ -692,7 +712,7 @@ def joint_scores(reference, hand, quiet_hand, without, context, earliest_s, coun
     noise = np.degrees(hand - quiet_hand) if quiet else np.empty(0)
     noise = high_passed(noise, context.jitter_above_hz, rate_hz)[0]
     scores["noise_jitter_rms_deg"] = rms(within(noise, first, trembles)) if quiet else NAN
-    return scores | error_parts(reference, hand, without, counted)
+    return scores | error_parts(reference, hand, without, counted) | errors_without(reference, hand, alone, ticks, counted)
 
 
 def motor_scores(counts, speed, at_limit, quiet_speed, context, counted):
@@ -815,13 +835,16 @@ def rescore(trace, controller, measured_joints, context):
     quiet_hand = columns_of(group, "noise_free_hand_angle_rad")
     quiet_speed = columns_of(group, "noise_free_spool_speed_rad_s")
     without = {cause: columns_of(group, name) for cause, name in WITHOUT.items() if name in group}
+    alone = {cause: columns_of(group, name) for cause, name in ALONE.items() if name in group}
+    ticks = min((len(next(iter(angles.values()))) for cause, angles in alone.items() if cause != "noise"), default=0)
     rows = {}
     for name in measured_joints:
         count = len(hand[name])
         quiet = quiet_hand[name][:count] if quiet_hand else None
         rows.setdefault(name, {}).update(
             joint_scores(reference[name][:count], hand[name], quiet,
-                         {cause: angles[name] for cause, angles in without.items()}, context,
+                         {cause: angles[name] for cause, angles in without.items()},
+                         {cause: angles[name] for cause, angles in alone.items()}, ticks, context,
                          context.earliest_s(controller),
                          context.counted([name], count)))
     speed, at_limit = (columns_of(group, s) for s in ("spool_speed_rad_s", "motor_at_limit"))
@@ -852,14 +875,17 @@ def rescore(trace, controller, measured_joints, context):
 
     grip = whole("grip_force_n")
     at_rest = columns_of(group, "arm_at_rest_hand_angle_rad")
-    jitter_deg, at_rest_deg = ({name: jitter_of(np.degrees(angles[name]), context, context.counted([name], count))
-                                for name in measured_joints if angles} for angles in (hand, at_rest))
+    rest_ticks = len(next(iter(at_rest.values()))) if at_rest else 0
+    jitter_deg, beside_rest_deg, at_rest_deg = (
+        {name: jitter_of(np.degrees(angles[name][:ticks]), context, context.counted([name], ticks))
+         for name in measured_joints if angles}
+        for angles, ticks in ((hand, count), (hand if at_rest else {}, rest_ticks), (at_rest, rest_ticks)))
     return rows, {**grasp_scores(None if grip is None else grip[:, 0], whole("object_force_n"), whole("object_pose"),
                                  whole("object_in_palm"), context.friction, context.rate_hz, counted),
                   **fingertip_scores(context.fingertips, reference, hand, measured_joints, context.rate_hz, counted),
                   **link_scores(*(None if x is None else x[:, 0] for x in map(whole, ("sample_age_s", "watchdog_tier"))),
                                 context.rate_hz, context.period, counted),
-                  **group_scores(jitter_deg, at_rest_deg, whole("palm_velocity_m_s"), context, counted),
+                  **group_scores(jitter_deg, beside_rest_deg, at_rest_deg, whole("palm_velocity_m_s"), context, counted),
                   "grip_force_ripple_n": ripple[0] if ripple else NAN,
                   "digit_overlap_share": np.mean(deep[0]) if deep and len(deep[0]) else NAN}
 

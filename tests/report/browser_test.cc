@@ -171,6 +171,7 @@ constexpr const char* kUse = R"(<script>
     seen.points = document.querySelectorAll("#front-chart .wide circle").length;
     seen.causes = document.querySelectorAll("#error-bars rect").length;
     seen.cause_rows = get("error-table").rows.length;
+    seen.switched = [...get("switched-table").rows].map((row) => row.cells.length);
     const explain = document.querySelector(".explain");
     explain.click();
     seen.explained = !get(explain.getAttribute("aria-controls")).hidden;
@@ -250,6 +251,7 @@ class BrowserTest : public testing::Test {
     EXPECT_EQ(seen["points"], 3);
     EXPECT_EQ(seen["causes"], 3 * TrackingErrorParts().size());
     EXPECT_EQ(seen["cause_rows"], 1 + TrackingErrorParts().size() + 1);  // names, causes, the whole
+    EXPECT_EQ(seen["switched"], std::vector(1 + 1 + kSwitchedCauseCount, 1 + 3));
     EXPECT_EQ(seen["explained"], true);
     EXPECT_LE(seen["wide"], 0) << "the page must not scroll sideways";
   }

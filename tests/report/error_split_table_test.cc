@@ -74,16 +74,76 @@ TEST(ErrorSplitTable, SaysWhereItIsOfOneSeedOfSeveral) {
   Summary summary;
   summary.controllers = {Controller("raw", kParts)};
   summary.answer.order = {0};
-  int& seeds = summary.controllers[0].summary[TrackingErrorParts().back().metric].count;
   summary.one_run = false;
-  seeds = 1;
-  EXPECT_THAT(CausesNote(summary),
-              HasSubstr("first seed. Option --causes all computes them for all seeds"));
-  seeds = 2;
-  EXPECT_EQ(CausesNote(summary), "");
+  summary.causes.seeds = 1;
+  EXPECT_THAT(SharesNote(summary), HasSubstr("squared error (first seed): "));
+  summary.causes.seeds = 2;
+  EXPECT_THAT(SharesNote(summary), HasSubstr("squared error: "));
+  summary.causes.seeds = 1;
   summary.one_run = true;
-  seeds = 1;
-  EXPECT_EQ(CausesNote(summary), "");
+  EXPECT_THAT(SharesNote(summary), HasSubstr("squared error: "));
+  summary.controllers = {Controller("raw", {})};
+  EXPECT_EQ(SharesNote(summary), "");
+}
+
+/// A summary with errors without each cause of one controller.
+Summary Switched(bool one_run, int seeds) {
+  Summary summary;
+  summary.controllers = {Controller("mean", {}), Controller("raw", {})};
+  summary.answer.order = {0, 1};
+  summary.baseline = 1;
+  summary.one_run = one_run;
+  summary.causes.switched = true;
+  summary.causes.seeds = seeds;
+  std::vector<MeanInterval>& values = summary.controllers[1].summary;
+  values[ErrorWithAll()].mean = 6.97;
+  const double errors[] = {6.96, 6.5, 4.95, 6.97, 7.31, 3.69};
+  for (std::size_t i = 0; i < std::size(errors); ++i) {
+    values[SwitchedErrors()[i].metric].mean = errors[i];
+  }
+  return summary;
+}
+
+TEST(CausesText, HasTheErrorWithoutEachCauseTheLargestDifferenceFirst) {
+  const std::string text =
+      "Tracking error of raw without the servo: 3.69 deg in place of 6.97; without the link: 4.95; "
+      "without glove errors: 6.50; without friction: 7.31";
+  EXPECT_EQ(CausesText(Switched(true, 1)), text + ".");
+  Summary first = Switched(false, 1);
+  EXPECT_EQ(CausesText(first), text + " (first seed).");
+  first.causes.stretch_s = 8.0;
+  EXPECT_EQ(CausesText(first), text + " (first 8 s of the first seed).");
+  Summary one = Switched(true, 1);
+  one.causes.stretch_s = 7.8;
+  EXPECT_EQ(CausesText(one), text + " (first 7.8 s).");
+}
+
+TEST(CausesText, HasIntervalsWhereAllSeedsWereComputed) {
+  Summary all = Switched(false, 8);
+  for (const SwitchedError& error : SwitchedErrors()) {
+    MeanInterval& value = all.controllers[1].summary[error.metric];
+    value.low = value.mean - 0.2;
+    value.high = value.mean + 0.2;
+  }
+  EXPECT_EQ(CausesText(all),
+            "Tracking error of raw without the servo: 3.69 ±0.20 deg in place of 6.97; without the "
+            "link: 4.95 ±0.20; without glove errors: 6.50 ±0.20; without friction: 7.31 ±0.20.");
+}
+
+TEST(CausesText, SaysHowToAskForWhatWasLeftOut) {
+  Summary summary;
+  EXPECT_EQ(CausesText(summary), "");
+  summary.causes.is_left_out = true;
+  summary.causes.cost_of_first = 6.5;
+  EXPECT_EQ(CausesText(summary),
+            "Causes of the error: option --causes first computes them, in 6.5 times the time.");
+}
+
+TEST(SwitchedTable, HasARowOfEachControllerOfWhichTrialsRan) {
+  EXPECT_EQ(TextOf(SwitchedTable(Switched(true, 1)), {}),
+            "                          glove   glove   the   motor              the\n"
+            "deg RMS without  nothing  noise  errors  link  limits  friction  servo\n"
+            "raw                 6.97   6.96    6.50  4.95    6.97      7.31   3.69\n");
 }
 
 TEST(ErrorSplitTable, LeavesOutWhatHasNoSplit) {
@@ -110,6 +170,11 @@ TEST(ErrorSplitTable, FitsBesideOtherTextAtATerminal) {
 TEST(ErrorSplitTable, TheTableOfScoresAndThePageHaveIt) {
   test::MadeUpStudy made = test::MakeUpStudy({});
   EXPECT_THAT(TextOf(ScoreText(made, true), {}), HasSubstr("of squared error "));
+  EXPECT_THAT(TextOf(ScoreText(made, true), {}), HasSubstr("deg RMS without  nothing"));
+  const auto switched = PageData(made, made.first_seed())["switched"];
+  EXPECT_EQ(switched["names"].size(), 1 + kSwitchedCauseCount);
+  EXPECT_EQ(switched["controllers"][2][3],
+            made.summary.controllers[2].summary[MetricIndex("error_without_link_deg")].mean);
   const auto json = PageData(made, made.first_seed())["error_split"];
   EXPECT_EQ(json["parts"].size(), TrackingErrorParts().size());
   EXPECT_EQ(json["colours"].size(), json["parts"].size());

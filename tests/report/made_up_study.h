@@ -108,6 +108,7 @@ inline MadeUpStudy MakeUpStudy(const MadeUpShape& shape) {
         .total_ms = 64.0 + i});
   }
   MakeUpScores(shape, result);
+  result.causes = {.switched = true, .chain = true, .seeds = shape.seeds};
   made.summary = sim::Summarise(made.study, result);
   return made;
 }

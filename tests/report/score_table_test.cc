@@ -109,7 +109,7 @@ TEST(ScoreTable, InPiecesSaysTheSameAsInOne) {
     return std::ranges::count(Words(text), word);
   };
   const std::string one_piece = TextOf(ScoreText(made, true), {.width = 60, .table_width = 10'000});
-  EXPECT_EQ(count(one_piece, "filter_3"), 4);  // answer, warning, scores and causes of the error
+  EXPECT_EQ(count(one_piece, "filter_3"), 5);  // answer, warning, scores, causes and their shares
   EXPECT_GT(count(narrow, "filter_3"), 4);
   // A difference and its interval stand side by side in the one, below each other in the other.
   const auto values = [](std::string text) {

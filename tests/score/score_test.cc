@@ -238,6 +238,9 @@ struct FullExample {
             .noise_free_motor_speed_rad_s = &noise_free_speed,
             .without = {&noise_free_hand, &noise_free_hand, &exact_hand, &exact_hand, &exact_hand,
                         &exact_hand, &exact_hand, &exact_hand, &exact_hand},
+            .switched_off = {&noise_free_hand, &exact_hand, &exact_hand, &exact_hand, &exact_hand,
+                             &exact_hand},
+            .switched_off_ticks = kSamples,
             .stall_tension_n = stall_tension_n};
   }
 };
@@ -353,6 +356,40 @@ TEST(Scores, PartsOfTheErrorSumToTheSquareOfTheTrackingError) {
   EXPECT_NEAR(summaries / (squares / 2.0), 1.0, 1e-9);
 }
 
+/// Offsets of the hand by steps in time, so that the RMS of each stretch is known.
+TEST(Scores, OfSwitchedCausesAreOfTheirTicks) {
+  const FullExample example;
+  Signal hand = example.reference;
+  hand.array() += 4.0 / kDegPerRad;
+  hand.bottomRows(hand.rows() / 2).array() += 3.0 / kDegPerRad;
+  Signal without_link = example.reference.topRows(hand.rows() / 2);
+  without_link.array() -= 1.0 / kDegPerRad;
+  ScoreInput input = example.Input();
+  input.hand_angle_rad = &hand;
+  input.switched_off = {};
+  input.switched_off[2] = &without_link;
+  input.switched_off_ticks = static_cast<int>(without_link.rows());
+  const Scores scores = ComputeScores(input, kFullRows);
+  const auto value = [&](const char* key) { return scores.summary[IndexOf(key)]; };
+  EXPECT_NEAR(value("error_with_all_deg"), 4.0, 1e-9);
+  EXPECT_NEAR(value("error_without_link_deg"), 1.0, 1e-9);
+  EXPECT_TRUE(std::isnan(value("error_without_servo_deg")));
+  EXPECT_NEAR(value("tracking_rmse_deg"), std::sqrt((16.0 + 49.0) / 2.0), 1e-9);
+}
+
+/// Of the fingers' jitter in the time of the trial with the arm at rest, and not of all of it.
+TEST(Scores, ShareOfTheArmIsOfTheTimeOfItsTrial) {
+  FullExample example;
+  const Eigen::Index half = FullExample::kSamples / 2;
+  example.hand.bottomRows(half) +=
+      2.0 * (example.hand - example.noise_free_hand).bottomRows(half).eval();
+  const Signal at_rest = example.arm_at_rest.topRows(half);
+  ScoreInput input = example.Input();
+  input.arm_at_rest_angle_rad = &at_rest;
+  const Scores scores = ComputeScores(input, kFullRows);
+  EXPECT_NEAR(scores.summary[IndexOf("arm_share_of_finger_jitter")], 0.4, 1e-3);
+}
+
 TEST(Scores, OfNoiseNeedTheNoiseFreeTrial) {
   const FullExample example;
   ScoreInput input = example.Input();
@@ -463,6 +500,13 @@ TEST(Scores, RefuseSignalsThatDoNotFit) {
   input = example.Input();
   input.without[3] = &narrow;
   EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
+  input = example.Input();
+  input.switched_off[3] = &narrow;
+  input.switched_off_ticks = 1;
+  EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);
+  input = example.Input();
+  input.switched_off_ticks = 0;  // with trials of which nothing is scored
+  EXPECT_THROW(ComputeScores(input, kFullRows), std::invalid_argument);
   input = example.Input();
   input.jitter_above_hz = 0.0;
   EXPECT_THROW(ComputeScores(input, kThreeRows), std::invalid_argument);

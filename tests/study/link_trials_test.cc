@@ -155,6 +155,15 @@ TEST_F(LinkTrials, WithoutTheLinkNothingOfItIsACause) {
   EXPECT_GT(Score(result, "error_link_deg2"), 0.7 * whole);
 }
 
+TEST_F(LinkTrials, ErrorWithoutTheLinkIsThatOfAScenarioWithoutOne) {
+  const Overrides links = {"link.glove.preset=wifi", "link.hand.preset=wifi", "event.delay_ms=40"};
+  const StudyResult with = Run(links, {.causes = CauseSeeds::kFirst});
+  const StudyResult without = Run({"event.delay_ms=0", "event.period_ms=1", "hand.servo.frame_ms=0",
+                                   "hand.arm_servo.frame_ms=0"});
+  EXPECT_EQ(Score(with, "error_without_link_deg"), Score(without, "tracking_rmse_deg"));
+  EXPECT_GT(Score(with, "error_with_all_deg"), 1.5 * Score(with, "error_without_link_deg"));
+}
+
 /// Loss, jitter and the mean delay are apart, and together with all others they are the whole.
 TEST_F(LinkTrials, LossAndJitterAreCausesOfTheirOwn) {
   const auto causes = [&](const Overrides& overrides) {

@@ -123,6 +123,7 @@ TEST_F(TraceFileTest, HoldsTheTrialsBesideItAndOneByteForEveryFlag) {
   CauseAngles angles;  // noise is in the twin, friction could not be taken away
   for (const std::size_t i : {1, 4, 5, 7, 8}) angles.without[i] = Signal::Random(kSamples, 18);
   angles.arm_at_rest = Signal::Random(kSamples, 18);
+  angles.switched_off[2] = Signal::Random(kSamples, 18);
   TraceWriter writer(file_, glove_, reference_, hand_, "test", 42);
   writer.Add(trace, &twin, angles);
   writer.Add(MakeTrace("kalman"));
@@ -142,6 +143,9 @@ TEST_F(TraceFileTest, HoldsTheTrialsBesideItAndOneByteForEveryFlag) {
   EXPECT_EQ(first_row("without_servo_hand_angle_rad"), Stored(angles.without[7].topRows(1)));
   EXPECT_EQ(first_row("asked_angle_rad"), Stored(angles.without[8].topRows(1)));
   EXPECT_EQ(first_row("arm_at_rest_hand_angle_rad"), Stored(angles.arm_at_rest.topRows(1)));
+  EXPECT_EQ(first_row("without_link_alone_hand_angle_rad"),
+            Stored(angles.switched_off[2].topRows(1)));
+  EXPECT_FALSE(raw.nameExists("without_servo_alone_hand_angle_rad"));
   EXPECT_FALSE(raw.nameExists("without_friction_hand_angle_rad"));
   for (const char* name : {"noise_free_hand_angle_rad", "without_glove_hand_angle_rad"}) {
     EXPECT_FALSE(file.openGroup("controllers/kalman").nameExists(name)) << name;

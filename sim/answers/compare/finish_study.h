@@ -12,7 +12,7 @@ namespace gauntlet::sim {
 struct StudyWork {
   int seeds = 1;
   int jobs = 1;
-  CauseSeeds causes = CauseSeeds::kFirst;
+  CauseSeeds causes = CauseSeeds::kAuto;
   std::function<bool(double, int)> progress = {};     // see StudyOptions
   std::function<void(const std::string&)> note = {};  // a line about trials that are known already
   std::function<void(const std::string&)> remark = {};  // see StudyOptions

@@ -135,7 +135,8 @@ std::vector<TickRange> DivideTicks(const CountedTime& time, int count) {
 }
 
 bool HasBlockValues(const Metric& metric) {
-  return metric.main && !metric.extreme && !metric.needs_twin && !metric.needs_causes;
+  return metric.main && !metric.extreme && !metric.needs_twin && !metric.needs_chain &&
+         !metric.needs_switched;
 }
 
 std::string RecordingBlocks::Text() const {

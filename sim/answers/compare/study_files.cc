@@ -104,6 +104,19 @@ Json BlocksJson(const RecordingBlocks& blocks) {
   return json;
 }
 
+/// Trials with one cause of the error switched off: the number of seeds, the seconds of the motion
+/// and the controllers; null where there are none.
+Json CausesJson(const Summary& summary) {
+  const CausePlan& plan = summary.causes;
+  if (!plan.switched) return nullptr;
+  Json json = {{"seeds", plan.seeds}, {"first_s", nullptr}, {"controllers", Json::array()}};
+  if (plan.stretch_s) json["first_s"] = *plan.stretch_s;
+  for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
+    if (plan.Has(0, c)) json["controllers"].push_back(summary.controllers[c].name);
+  }
+  return json;
+}
+
 Json ControllerJson(const FinishedStudy& finished, std::size_t index) {
   const StudyResult& result = finished.result;
   const ControllerSummary& controller = finished.summary.controllers[index];
@@ -186,6 +199,7 @@ std::string ScoresJson(const FinishedStudy& finished) {
         {"from_s", second->from_s}, {"to_s", second->to_s}, {"moment_s", second->moment_s}};
   }
   json["measured_joints"] = finished.study.measured_joint_names;
+  json["causes"] = CausesJson(summary);
   const std::vector<double> counted_shares = CountedShares(finished.study);
   if (std::ranges::any_of(counted_shares, [](double share) { return share < 1.0; })) {
     for (std::size_t i = 0; i < counted_shares.size(); ++i) {

@@ -165,6 +165,14 @@ std::vector<double> SeedValues(const StudyResult& result, std::size_t controller
   return values;
 }
 
+std::string PartOfCauses(const Summary& summary) {
+  const CausePlan& plan = summary.causes;
+  const bool of_several = !summary.one_run && summary.blocks.empty() && plan.seeds == 1;
+  const std::string seed = of_several ? "first seed" : "";
+  if (!plan.stretch_s) return seed;
+  return fmt::format("first {:g} s{}{}", *plan.stretch_s, of_several ? " of the " : "", seed);
+}
+
 Summary Summarise(const Study& study, const StudyResult& result, RecordingBlocks blocks) {
   Summary summary;
   summary.blocks = std::move(blocks);
@@ -172,6 +180,7 @@ Summary Summarise(const Study& study, const StudyResult& result, RecordingBlocks
   for (const std::string& remark : study.remarks) {
     if (remark.find(kAssumed) != std::string::npos) summary.assumed.push_back(remark + ".");
   }
+  summary.causes = result.causes;
   summary.baseline = BaselineOf(study.scenario);
   summary.one_run = result.seeds.size() < 2 && summary.blocks.empty();
   const std::vector<int> motions = MotionsOf(result);

@@ -48,6 +48,7 @@ struct Summary {
   int pairs = 0;           // that were judged
   int primary_pairs = 0;   // of these in primary scores
   Priority priority = {.metric = PrimaryScores().front().metric, .bounds = {}};  // of the scenario
+  CausePlan causes = {};                // of the trials with one cause of the error switched off
   std::vector<std::string> assumed;     // in column maps of recordings, a sentence each
   std::vector<Comparison> comparisons;  // of all pairs, both ways: see Of()
   ComparisonAnswer answer = {};         // what follows from all this: every output shows it
@@ -69,6 +70,10 @@ std::vector<int> MotionsOf(const StudyResult& result);
 /// Summaries of one metric and controller, one per seed.
 std::vector<double> SeedValues(const StudyResult& result, std::size_t controller,
                                std::size_t metric);
+
+/// "first 8 s of the first seed", "first seed": the part of a comparison that causes of the error
+/// are found of; empty for all of it.
+std::string PartOfCauses(const Summary& summary);
 
 /// Pure and deterministic. `blocks`: of this result, where a single recording was divided.
 Summary Summarise(const Study& study, const StudyResult& result, RecordingBlocks blocks = {});

@@ -8,7 +8,6 @@
 
 #include "sim/score/statistics/result_cells.h"
 #include "sim/show/pages/controller_rows.h"
-#include "sim/study/cause_trials.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -66,18 +65,76 @@ ResultTable ErrorSplitTable(const Summary& summary) {
   return table;
 }
 
-std::string CausesNote(const Summary& summary) {
-  const std::size_t last = TrackingErrorParts().back().metric;
-  const auto is_of_one = [&](const ControllerSummary& controller) {
-    return controller.summary[last].count == 1;
-  };
-  if (summary.one_run || !std::ranges::any_of(summary.controllers, is_of_one)) return "";
+std::string SharesNote(const Summary& summary) {
+  if (ErrorSplitTable(summary).rows.empty()) return "";
+  const std::string seed = !summary.one_run && summary.blocks.empty() && summary.causes.seeds == 1
+                               ? " (first seed)"
+                               : "";
   return fmt::format(
-      "Causes of the squared error: first seed. Option --causes all computes them for all seeds, "
-      "with {} more trials for each controller and seed.",
-      kCauseHands + std::ranges::count_if(ShownCauses(summary), [](std::size_t cause) {
-        return Metrics()[TrackingErrorParts()[cause].metric].needs_link;
-      }));
+      "Shares of the squared error{}: one cause after the other is switched off, and the shares "
+      "sum "
+      "to 100 %. Two causes share their common effect, so a share is not the effect of one cause "
+      "alone.",
+      seed);
+}
+
+ResultTable SwitchedTable(const Summary& summary) {
+  ResultTable table{.columns = {ForPeople("deg RMS without"), ForPeople("nothing")}};
+  for (const SwitchedError& error : SwitchedErrors()) {
+    std::string heading(error.name);
+    std::ranges::replace(heading, ' ', kBreak);
+    table.columns.push_back(ForPeople(heading));
+  }
+  for (const auto& [c, name] : ControllerRows(summary)) {
+    const std::vector<MeanInterval>& values = summary.controllers[c].summary;
+    if (!std::isfinite(values[ErrorWithAll()].mean)) continue;
+    ResultRow& row = table.rows.emplace_back(ResultRow{name});
+    const auto add = [&](std::size_t metric) {
+      const MeanInterval& value = values[metric];
+      row.push_back(
+          ResultCell::Text(std::isfinite(value.mean) ? fmt::format("{:.2f}", value.mean) : "-"));
+    };
+    add(ErrorWithAll());
+    for (const SwitchedError& error : SwitchedErrors()) add(error.metric);
+  }
+  return table;
+}
+
+std::string CausesText(const Summary& summary) {
+  constexpr double kWorthSaying = 0.02;  // of the error
+  if (summary.causes.is_left_out) {
+    return fmt::format(
+        "Causes of the error: option --causes first computes them, in {:.2g} times the time.",
+        summary.causes.cost_of_first);
+  }
+  const auto value = [&](std::size_t controller, std::size_t metric) -> const MeanInterval& {
+    return summary.controllers[controller].summary[metric];
+  };
+  std::vector<std::size_t> candidates = summary.answer.order;
+  if (summary.baseline) candidates.insert(candidates.begin(), *summary.baseline);
+  const auto found = std::ranges::find_if(candidates, [&](std::size_t controller) {
+    return std::isfinite(value(controller, ErrorWithAll()).mean);
+  });
+  if (found == candidates.end()) return "";
+  const double all_deg = value(*found, ErrorWithAll()).mean;
+  std::vector<SwitchedError> errors(SwitchedErrors().begin(), SwitchedErrors().end());
+  std::erase_if(errors, [&](const SwitchedError& error) {
+    return !(std::abs(value(*found, error.metric).mean - all_deg) >= kWorthSaying * all_deg);
+  });
+  std::ranges::stable_sort(
+      errors, {}, [&](const SwitchedError& error) { return value(*found, error.metric).mean; });
+  std::string text;
+  for (const SwitchedError& error : errors) {
+    const MeanInterval& without = value(*found, error.metric);
+    text += fmt::format("{}without {}: {:.2f}", text.empty() ? "" : "; ", error.name, without.mean);
+    if (std::isfinite(without.low)) text += fmt::format(" ±{:.2f}", without.high - without.mean);
+    if (&error == &errors.front()) text += fmt::format(" deg in place of {:.2f}", all_deg);
+  }
+  const std::string& name = summary.controllers[*found].name;
+  const std::string part = PartOfCauses(summary);
+  const std::string of = part.empty() ? "" : fmt::format(" ({})", part);
+  if (errors.empty()) return fmt::format("No cause alone changes the error of {}{}.", name, of);
+  return fmt::format("Tracking error of {} {}{}.", name, text, of);
 }
 
 }  // namespace gauntlet::sim

@@ -1,5 +1,7 @@
 #include "sim/show/pages/page_data.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
 #include <string>
@@ -163,6 +165,28 @@ Json ErrorSplitJson(const Summary& summary) {
   return any ? json : Json(nullptr);
 }
 
+/// Null where no cause was switched off alone, else the errors without each, and those with all
+/// causes, per controller.
+Json SwitchedJson(const Summary& summary) {
+  if (!summary.causes.switched) return nullptr;
+  Json json = {{"part", PartOfCauses(summary)}, {"names", {"with all causes"}}};
+  std::vector<std::size_t> metrics = {ErrorWithAll()};
+  for (const SwitchedError& error : SwitchedErrors()) {
+    json["names"].push_back(fmt::format("without {}", error.name));
+    metrics.push_back(error.metric);
+  }
+  for (const ControllerSummary& controller : summary.controllers) {
+    Json& values = json["controllers"].emplace_back(Json::array());
+    Json& margins = json["margins"].emplace_back(Json::array());
+    for (const std::size_t metric : metrics) {
+      const MeanInterval& value = controller.summary[metric];
+      values.push_back(NumberOrNull(value.mean));
+      margins.push_back(NumberOrNull(value.high - value.mean));
+    }
+  }
+  return json;
+}
+
 /// Per joint where the first seed does not count: [from, to] in seconds; null where all does.
 Json UncountedJson(const FinishedStudy& finished, const FirstSeed& first_seed) {
   if (!first_seed.counted) return nullptr;
@@ -227,6 +251,7 @@ Json PageData(const FinishedStudy& finished, const FirstSeed& first_seed) {
   json["rows"] = result.row_names;
   json["channels"] = finished.study.measured_joint_names;
   json["first_channel"] = finished.study.scenario.video.channel;
+  json["switched"] = SwitchedJson(summary);
   json["error_split"] = ErrorSplitJson(summary);
   json["latency"] = LatencyJson(first_seed.latency);
   json["curves"] = nullptr;

@@ -109,34 +109,6 @@ ResultTable AnswerTable(const Summary& summary) {
   return TableOf(summary, ControllerRows(summary), metrics);
 }
 
-/// "Causes of the squared error of raw: link 29 %, servo 25 %, friction 18 %."
-std::string CauseLine(const Summary& summary) {
-  constexpr double kLeast = 0.05;
-  constexpr double kMostCancelled = 0.25;
-  constexpr std::size_t kMost = 3;
-  const ControllerSummary& controller =
-      summary.controllers[summary.baseline ? *summary.baseline : summary.answer.order.front()];
-  const std::vector<double> parts = ErrorByCause(controller);
-  double whole = 0.0;
-  std::vector<std::pair<double, std::string_view>> causes;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (!std::isfinite(parts[i])) continue;
-    whole += parts[i];
-    causes.emplace_back(parts[i], TrackingErrorParts()[i].name);
-  }
-  if (!(whole > 0.0)) return "";
-  std::ranges::stable_sort(causes, std::greater(), &std::pair<double, std::string_view>::first);
-  // Parts that cancel each other, as in a recording of some rows, are no shares.
-  if (causes.front().first > whole || causes.back().first < -kMostCancelled * whole) return "";
-  std::string text;
-  for (std::size_t i = 0; i < std::min(kMost, causes.size()); ++i) {
-    if (causes[i].first < kLeast * whole) break;
-    text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", causes[i].second,
-                        100.0 * causes[i].first / whole);
-  }
-  return fmt::format("Causes of the squared error of {}: {}.", controller.name, text);
-}
-
 /// Scores of the table that are a mean over some of the seeds, as the others have none.
 std::vector<std::string> MissingSeeds(const StudyResult& result, const Summary& summary) {
   std::vector<std::string> missing;
@@ -313,7 +285,6 @@ std::vector<std::string> Notes(const FinishedStudy& finished) {
   if (std::string smoothing = SmoothingText(finished); !smoothing.empty()) {
     notes.push_back(std::move(smoothing));
   }
-  if (std::string causes = CausesNote(summary); !causes.empty()) notes.push_back(std::move(causes));
   return notes;
 }
 
@@ -358,7 +329,7 @@ std::string Measured(const Study& study, const StudyResult& result) {
 
 void AddAnswerNotes(const FinishedStudy& finished, ResultText& text) {
   const Summary& summary = finished.summary;
-  AddLine(CauseLine(summary), text);
+  AddLine(CausesText(summary), text);
   for (const std::string& missing : MissingSeeds(finished.result, summary)) AddLine(missing, text);
   for (const std::string& doubt : summary.answer.verdict.Doubts())
     AddLine("Warning: " + doubt, text);
@@ -408,7 +379,9 @@ ResultText ScoreText(const FinishedStudy& finished, bool verbose) {
   if (!verbose) return text;
   text.emplace_back(MeansTable(summary));
   for (const std::string& note : Notes(finished)) AddLine(note, text);
+  text.emplace_back(SwitchedTable(summary));
   text.emplace_back(ErrorSplitTable(summary));
+  AddLine(SharesNote(summary), text);
   return text;
 }
 

@@ -1,5 +1,27 @@
-// What the squared error is made of: a stacked bar per controller as SVG, and the numbers as a table
-// that is the legend, too.
+// Causes of the error. The tracking error without each of them is a table. Shares of the squared error
+// are a stacked bar per controller as SVG, and the numbers as a table that is the legend, too.
+
+function drawSwitched(data) {
+  const {names, controllers, margins} = data.switched;
+  const text = (c, i) => {
+    const value = controllers[c][i];
+    if (value === null) return "–";
+    return value.toFixed(2) + (margins[c][i] === null ? "" : ` ±${margins[c][i].toFixed(2)}`);
+  };
+  const unit = element("span", {class: "unit"}, "deg RMS");
+  drawPartTable("switched-table", data, "Cause", names.map((name, i) => (
+    {label: i ? [capital(name)] : ["Tracking error ", name, " ", unit], sum: i === 0, text: (c) => text(c, i)})));
+  byId("switched-note").textContent = "Tracking error in trials in which one cause alone is switched off" +
+    (data.switched.part ? `, ${data.switched.part}` : "") + ". A lower error is better. An ideal servo also holds " +
+    "against friction.";
+}
+
+function startSwitched(data) {
+  const {names, controllers} = data.switched;
+  byId("switched-table").parentElement.after(saveButtons(data, "causes", null, () => [
+    ["controller", ...names.map((name) => `${name.replaceAll(/\W+/g, "_")}_deg`)],
+    ...data.order.map((c) => [data.controllers[c].name, ...controllers[c]])]));
+}
 
 const SPLIT_ROW = 52;
 const SPLIT_BAR = {top: 24, height: 22};

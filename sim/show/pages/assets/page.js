@@ -138,6 +138,7 @@ function start() {
     byId("curves").scrollIntoView();
   });
   const drawTables = () => {
+    if (data.switched) drawSwitched(data);
     if (data.error_split) drawErrorSplit(data);
     drawScoreTable(data);
     if (data.latency) drawLatency(data);
@@ -145,8 +146,10 @@ function start() {
   };
   startOrder(data, drawTables);
   drawTables();
+  if (data.switched) startSwitched(data);
   if (data.error_split) startErrorSplit(data);
-  else hidePart("error");
+  else byId("error-shares").hidden = true;
+  if (!data.switched && !data.error_split) hidePart("error");
   if (!data.latency) hidePart("latency");
   if (!byId("recording")) document.querySelector('nav a[href="#recording"]').hidden = true;
   byId("scores-table").parentElement.after(saveButtons(data, "scores", null, () => scoreRows(data)));
