@@ -314,7 +314,7 @@ void RunPredictorFit(const CalibrateOptions& options) {
   WriteOutputFile(
       target,
       "# Made by gauntlet calibrate --predictor: of a controller whose glove has the channels of\n"
-      "# the recording, in its order.\n" +
+      "# the recording, in its order. The weights serve motions like those in it.\n" +
           SettingsToYaml([&](controller::SettingsVisitor& visitor) {
             VisitGroup(visitor, {.key = "prediction", .help = {}}, prediction);
           }));

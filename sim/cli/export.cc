@@ -168,8 +168,10 @@ controller::ControllerConfig ForRobot(const Scenario& scenario,
           config.prediction.settings)) {
     return config;
   }
-  Say("gauntlet: its prediction is fitted to all replicates of the scenario\n");
-  return ControllerForRobot(PrepareStudy(scenario), config);
+  const Study study = PrepareStudy(scenario);
+  Say("gauntlet: its prediction has weights that are fitted to the {} motions of {}\n",
+      MotionCount(study), scenario.name);
+  return ControllerForRobot(study, config);
 }
 
 void RunExport(const ExportOptions& options) {

@@ -160,7 +160,11 @@ ResultText PredictorFitText(const PoseRecording& recording, const controller::Pr
     answer += fmt::format(", and {} % on held-out recordings",
                           FixedText(100.0 * (held_out->left_rms / held_out->hold_rms).mean(), 0));
   }
-  answer += fmt::format(" (mean over channels): written to {}.", file);
+  answer += fmt::format(
+      " (mean over channels): written to {}. The weights come from this recording and serve "
+      "motions "
+      "like it.",
+      file);
   if (left >= 100.0) answer += " Do not use it: without a prediction 100 % are left.";
   std::vector<std::pair<const char*, Eigen::ArrayXd>> columns = {
       {"change in the horizon", fit.hold_rms}, {"left by other fits", fit.held_out_rms}};

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <iterator>
+#include <set>
+#include <string_view>
 
 #include "controller/angle_estimator.h"
 #include "controller/assert.h"
@@ -48,7 +50,7 @@ Repetitions RepetitionsOf(const Study& study) {
     repetitions.motions.push_back(
         known.emplace(study.repetitions[i].motion_hash, number).first->second);
   }
-  if (known.size() < 2) {
+  if (MotionCount(study) < 2) {
     throw controller::SettingError("kind",
                                    "is fitted_to_others, which needs replicates with other "
                                    "motions; this scenario has one motion, or draws them");
@@ -61,6 +63,12 @@ double SampleRate_hz(const Study& study) {
 }
 
 }  // namespace
+
+int MotionCount(const Study& study) {
+  std::set<std::string_view> motions;
+  for (const GloveFacts& glove : study.repetitions) motions.insert(glove.motion_hash);
+  return motions.size();
+}
 
 RecordedMotion SeenByPredictor(const Study& study, ControllerConfig controller,
                                const GloveSignal& glove) {

@@ -34,6 +34,9 @@ controller::ControllerConfig ControllerOfSeed(const Study& study,
 controller::ControllerConfig ControllerForRobot(const Study& study,
                                                 controller::ControllerConfig controller);
 
+/// Number of motions of the scenario: repetitions of one motion with other noise count once.
+int MotionCount(const Study& study);
+
 /// The weights that were fitted so far: for a controller's settings those of each repetition.
 struct PredictionFits {
   std::mutex mutex;

@@ -77,6 +77,7 @@ TEST_F(PredictionFitTest, LearnsNothingFromAnotherNoiseOfTheSameMotion) {
     const Study study = Prepare(
         "repetitions:\n  glove.motion.frequency_hz: [1, 1, 1.7]\n  glove.noise.variance_scale: " +
         second + "\n");
+    EXPECT_EQ(MotionCount(study), 2);
     return WeightsOf(OfSeed(study, 3)).weights;
   };
   EXPECT_EQ(of_first("[1, 1, 1]"), of_first("[1, 2, 1]"));

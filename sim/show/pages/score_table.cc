@@ -18,6 +18,7 @@
 #include "sim/score/statistics/result_cells.h"
 #include "sim/show/pages/controller_rows.h"
 #include "sim/show/pages/error_split_table.h"
+#include "sim/study/prediction_fit.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -249,6 +250,21 @@ std::vector<std::string> NotesOnChance(const Summary& summary) {
   return notes;
 }
 
+/// Origin of the weights that the study fits; empty if there are none.
+std::string WeightsLine(const Study& study) {
+  std::vector<std::string_view> names;
+  for (const NamedController& named : study.scenario.controllers) {
+    if (std::holds_alternative<controller::FittedToOthersPredictionConfig>(
+            named.config.prediction.settings)) {
+      names.push_back(named.name);
+    }
+  }
+  if (names.empty()) return "";
+  const int others = MotionCount(study) - 1;
+  return fmt::format("Weights of {}: fitted to the {} of this scenario.", fmt::join(names, ", "),
+                     others == 1 ? "other motion" : fmt::format("{} other motions", others));
+}
+
 /// Who follows best at each cut-off; empty where the reference is no smoothed recording.
 std::string SmoothingText(const FinishedStudy& finished) {
   if (finished.smoothing.empty() || finished.result.controller_names.size() < 2) return "";
@@ -330,6 +346,7 @@ std::string Measured(const Study& study, const StudyResult& result) {
 void AddAnswerNotes(const FinishedStudy& finished, ResultText& text) {
   const Summary& summary = finished.summary;
   AddLine(CausesText(summary), text);
+  AddLine(WeightsLine(finished.study), text);
   for (const std::string& missing : MissingSeeds(finished.result, summary)) AddLine(missing, text);
   for (const std::string& doubt : summary.answer.verdict.Doubts())
     AddLine("Warning: " + doubt, text);
