@@ -333,7 +333,9 @@ class Fits {
         .order = wanted_.order,
         .tap_ms = wanted_.tap_ms,
         .tap_means = true,
-        .weights = std::vector<double>(channels * static_cast<std::size_t>(wanted_.order))};
+        .weights = std::vector<double>(channels * static_cast<std::size_t>(wanted_.order)),
+        .fallback = wanted_.fallback,
+        .r_deg2 = wanted_.r_deg2};
     if (wanted_.offset) {
       config.position_weights.resize(wanted_.all_channels ? channels * channels : channels);
       config.offset_deg.resize(channels);
@@ -414,7 +416,9 @@ PredictionErrors JudgePredictor(const FittedPredictionConfig& predictor,
                                 std::span<const Eigen::MatrixXd> recordings, double rate_hz) {
   CheckRecordings(recordings);
   const Index channels = recordings.front().cols();
-  const auto filter = MakePredictor(predictor, static_cast<int>(channels), rate_hz);
+  FittedPredictionConfig weights = predictor;
+  weights.fallback = false;  // whose r is in deg^2, whatever the unit of the recordings
+  const auto filter = MakePredictor(weights, static_cast<int>(channels), rate_hz);
   const Eigen::ArrayXd horizon =
       HorizonSteps(predictor.horizon_ms, static_cast<int>(channels), rate_hz);
   const Index first = predictor.order * std::lround(predictor.tap_ms * 1e-3 * rate_hz);

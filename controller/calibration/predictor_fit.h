@@ -49,7 +49,8 @@ using RecordedMotion = std::vector<Eigen::MatrixXd>;
 PredictorFit FitPredictor(std::span<const Eigen::MatrixXd> recordings, double rate_hz,
                           const FittedToOthersPredictionConfig& wanted);
 
-/// Errors on recordings, perhaps others than those of the fit: samples x channels, in its unit.
+/// Errors of the weights, without their fallback, on recordings, perhaps others than those of the
+/// fit: samples x channels, in its unit.
 /// Errors: SettingError for recordings of other numbers of channels, or that are too short.
 PredictionErrors JudgePredictor(const FittedPredictionConfig& predictor,
                                 std::span<const Eigen::MatrixXd> recordings, double rate_hz);

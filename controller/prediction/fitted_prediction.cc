@@ -12,6 +12,7 @@
 #include "controller/filters/fresh_channels.h"
 #include "controller/filters/subnormal.h"
 #include "controller/filters/vectorise.h"
+#include "controller/prediction/fallback.h"
 #include "controller/prediction/history.h"
 #include "controller/prediction/horizon.h"
 #include "controller/prediction/predictor.h"
@@ -229,6 +230,7 @@ void FittedPredictionConfig::Visit(SettingsVisitor& visitor) {
                   slope_weights);
   visitor.Numbers({"offset_deg", "what is added to each channel: none or one for each", -1e6, 1e6},
                   offset_deg);
+  VisitFallback(visitor, fallback, r_deg2);
 }
 
 std::unique_ptr<Filter> MakePredictor(const FittedPredictionConfig& config, int channel_count,
@@ -252,8 +254,11 @@ std::unique_ptr<Filter> MakePredictor(const FittedPredictionConfig& config, int 
                                      ", must be a multiple of the step of the filter, " +
                                      NumberText(1e3 / rate_hz) + " ms");
   }
-  return std::make_unique<FittedPredictor>(config, static_cast<int>(std::lround(steps)),
-                                           channel_count);
+  auto fitted = std::make_unique<FittedPredictor>(config, static_cast<int>(std::lround(steps)),
+                                                  channel_count);
+  if (!config.fallback || std::ranges::max(config.horizon_ms) == 0.0) return fitted;
+  return WithFallback(std::move(fitted), {.horizon_ms = config.horizon_ms, .r_deg2 = config.r_deg2},
+                      rate_hz);
 }
 
 }  // namespace gauntlet::controller

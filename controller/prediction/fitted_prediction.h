@@ -24,8 +24,11 @@ namespace gauntlet::controller {
 /// Shapes: `weights` (w) has `order` values for all channels, or `order` for each, channel by
 /// channel; `position_weights` (p) none, one per channel for its own, or for each channel one of
 /// every channel; `slope_weights` (s) none, or for each channel one of every channel; `offset_deg`
-/// (o) none or one per channel. `horizon_ms` is how far ahead they were fitted for: it changes
-/// nothing here. Errors: SettingError for other numbers of values, or taps that are no step apart.
+/// (o) none or one per channel. `horizon_ms` is how far ahead they were fitted for.
+///
+/// With `fallback` the output is a mixture with the prediction `adaptive` of the same horizon and
+/// of `r_deg2`, by how far each has missed of late: see WithFallback(). Without a horizon there is
+/// none. Errors: SettingError for other numbers of values, or taps that are no step apart.
 struct GAUNTLET_API FittedPredictionConfig {
   static constexpr std::string_view kKind = "fitted";
   static constexpr std::string_view kSummary =
@@ -41,6 +44,8 @@ struct GAUNTLET_API FittedPredictionConfig {
   std::vector<double> position_weights = {};
   std::vector<double> slope_weights = {};
   std::vector<double> offset_deg = {};
+  bool fallback = true;
+  std::vector<double> r_deg2 = {0.5};
 
   void Visit(SettingsVisitor& visitor);
 };

@@ -1,5 +1,6 @@
 #include "controller/prediction/fitted_to_others_prediction.h"
 
+#include "controller/prediction/fallback.h"
 #include "controller/prediction/horizon.h"
 #include "controller/prediction/predictor.h"
 
@@ -18,6 +19,7 @@ void FittedToOthersPredictionConfig::Visit(SettingsVisitor& visitor) {
   visitor.Flag(
       {"all_channels", "look at where all channels are and how they move, too; needs offset: true"},
       all_channels);
+  VisitFallback(visitor, fallback, r_deg2);
 }
 
 std::unique_ptr<Filter> MakePredictor(const FittedToOthersPredictionConfig&, int, double) {

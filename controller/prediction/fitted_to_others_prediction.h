@@ -26,6 +26,9 @@ struct GAUNTLET_API FittedToOthersPredictionConfig {
   bool offset = false;
   /// The weights also use position and speed of all other channels; needs `offset`.
   bool all_channels = false;
+  /// As in FittedPredictionConfig.
+  bool fallback = true;
+  std::vector<double> r_deg2 = {0.5};
 
   void Visit(SettingsVisitor& visitor);
 };

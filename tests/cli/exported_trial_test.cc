@@ -36,7 +36,7 @@ score: {{noise_free_twin: false}}
 controllers:
   tuned:
     filter: [{{kind: hampel, window: 5}}, {{kind: kalman, q: 0.001}}]
-    prediction: {{kind: fitted, order: 2, tap_ms: 10, tap_means: true, weights: [-1.4, -0.7],
+    prediction: {{kind: fitted, horizon_ms: 20, order: 2, tap_ms: 10, tap_means: true, weights: [-1.4, -0.7],
       position_weights: [0.1, 0.09, 0.08, 0.07, 0.06, 0.05, 0.04, 0.03, 0.02, -0.02, -0.03, -0.04, -0.05, -0.06, -0.07, -0.08, -0.09, -0.1],
       offset_deg: [1, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, -0.2, -0.3, -0.4, -0.5, -0.6, -0.7, -0.8, -0.9, -1]}}
     motor: {{rounding: hysteresis}}

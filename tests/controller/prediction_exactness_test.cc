@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
@@ -123,6 +124,41 @@ TEST(PredictionExactness, FittedToAllChannels) {
     }
   }
   EXPECT_LE(worst, 1e-12);
+}
+
+/// Two predictors that have tests of their own, mixed as the header of the fallback says.
+TEST(PredictionExactness, Fallback) {
+  const AdaptivePredictionConfig general = {.horizon_ms = {kHorizon}, .r_deg2 = {0.8}};
+  FittedPredictionConfig config{.horizon_ms = {kHorizon}, .order = 2, .tap_ms = 40.0};
+  config.weights = {-1.5, 0.4};
+  config.r_deg2 = general.r_deg2;
+  config.fallback = false;
+  const auto fitted = MakePredictor(config, 1, kRateHz);
+  const auto adaptive = MakePredictor(general, 1, kRateHz);
+  config.fallback = true;
+  const Real degrees = 180 / std::numbers::pi_v<Real>;
+  std::deque<std::array<double, 2>> expected;
+  std::array<Real, 2> miss = {1, 1};
+  const auto reference = [&](double z) -> Real {
+    std::array<double, 2> next{};
+    fitted->Step({&z, 1}, {&next[0], 1});
+    adaptive->Step({&z, 1}, {&next[1], 1});
+    if (expected.empty()) {
+      expected.assign(kHorizon, {z, z});
+      return z;
+    }
+    std::array<Real, 2> share{};
+    for (std::size_t m = 0; m < 2; ++m) {
+      const Real off = degrees * (Real{z} - Real{expected.back()[m]});
+      const Real square = std::clamp(off * off / Real{0.8L}, Real{1e-2L}, Real{1e4L});
+      miss[m] -= std::expm1(-1 / Real{1000}) * (square - miss[m]);
+      share[m] = 1 / (miss[m] * miss[m] * miss[m]);
+    }
+    expected.push_front(next);
+    expected.pop_back();
+    return (share[0] * next[0] + share[1] * next[1]) / (share[0] + share[1]);
+  };
+  EXPECT_LE(WorstError({config}, reference), 1e-12);
 }
 
 /// The bank as its header says; gains are those of Settle(), which has tests of its own.

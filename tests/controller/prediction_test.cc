@@ -56,6 +56,11 @@ std::vector<PredictionCase> PredictionCases() {
   }
   FittedPredictionConfig means = each;
   means.tap_means = true;
+  FittedPredictionConfig fallback = AlongALine();
+  fallback.horizon_ms = horizon_ms;
+  FittedPredictionConfig fallback_each = means;
+  fallback_each.horizon_ms = horizons_ms;
+  fallback_each.r_deg2 = variances_deg2;
   return {
       {"linear", {LinearPredictionConfig{.horizon_ms = horizon_ms}}},
       {"linear_each", {LinearPredictionConfig{.horizon_ms = horizons_ms}}},
@@ -68,7 +73,9 @@ std::vector<PredictionCase> PredictionCases() {
        {AdaptivePredictionConfig{.horizon_ms = horizons_ms, .r_deg2 = variances_deg2}}},
       {"fitted", {AlongALine()}},
       {"fitted_each", {each}},
-      {"fitted_means", {means}}};
+      {"fitted_means", {means}},
+      {"fitted_fallback", {fallback}},
+      {"fitted_fallback_each", {fallback_each}}};
 }
 
 /// The same and slopes of all channels: predictions that look at other channels, too.
@@ -556,6 +563,59 @@ TEST(AdaptivePrediction, OvershootsByNoMoreThanATenthOfTheMovement) {
   }
   EXPECT_GE(lowest, -6.0);
   EXPECT_LE(highest, 66.0);
+}
+
+/// Weights that foresee a sine of 1 Hz: z(k + h) = 2 cos(w h) z(k) - z(k - h).
+FittedPredictionConfig ForASine(bool fallback) {
+  const double w = 2.0 * kPi / kRateHz;
+  FittedPredictionConfig fitted{.horizon_ms = {kFar}, .tap_ms = kFar, .fallback = fallback};
+  fitted.weights = {1.0 - 2.0 * std::cos(w * kFar)};
+  fitted.position_weights = {-1.0 - fitted.weights[0]};
+  return fitted;
+}
+
+/// The weights serve the motion that they are for, the general prediction all others.
+TEST(FittedPrediction, FallsBackOnMotionThatTheWeightsDoNotForesee) {
+  const AdaptivePredictionConfig general = {.horizon_ms = {kFar}};
+  const double own = RmsError({ForASine(false)}, Sine(1.0), 0.1, kFar);
+  const double own_general = RmsError({general}, Sine(1.0), 0.1, kFar);
+  ASSERT_LT(own, 0.7 * own_general);
+  EXPECT_LT(RmsError({ForASine(true)}, Sine(1.0), 0.1, kFar), own + 0.35 * (own_general - own))
+      << own << own_general;
+  const double other = RmsError({ForASine(false)}, Sine(2.5), 0.1, kFar);
+  const double other_general = RmsError({general}, Sine(2.5), 0.1, kFar);
+  ASSERT_GT(other, 3.0 * other_general);
+  EXPECT_LT(RmsError({ForASine(true)}, Sine(2.5), 0.1, kFar), 1.1 * other_general);
+}
+
+/// From a motion that the weights foresee to another: the output goes from their prediction to the
+/// general one, stays between both and moves in each step hardly farther than they do. A switch
+/// would jump by their difference, up to 1 rad.
+TEST(FittedPrediction, HandsOverWithoutAJump) {
+  const auto both = MakePredictor({ForASine(true)}, 1, kRateHz);
+  const auto weights = MakePredictor({ForASine(false)}, 1, kRateHz);
+  const auto general = MakePredictor(AdaptivePredictionConfig{.horizon_ms = {kFar}}, 1, kRateHz);
+  double last_y = 0.0, last_f = 0.0, last_g = 0.0, worst = 0.0;
+  double far_from_general = 0.0, far_from_weights = 0.0, phase = 0.0;
+  for (int k = 0; k < 12000; ++k) {
+    phase += 2.0 * kPi * (k < 6000 ? 1.0 : 2.5) / kRateHz;
+    double z = 0.5 * std::sin(phase), y = 0.0, f = 0.0, g = 0.0;
+    both->Step({&z, 1}, {&y, 1});
+    weights->Step({&z, 1}, {&f, 1});
+    general->Step({&z, 1}, {&g, 1});
+    ASSERT_GE(y, std::min(f, g) - 1e-12);
+    ASSERT_LE(y, std::max(f, g) + 1e-12);
+    if (k > 300) {
+      const double moved = std::max(std::abs(f - last_f), std::abs(g - last_g));
+      worst = std::max(worst, std::abs(y - last_y) - moved);
+    }
+    if (4000 <= k && k < 6000) far_from_weights = std::max(far_from_weights, std::abs(y - f));
+    if (k >= 10000) far_from_general = std::max(far_from_general, std::abs(y - g));
+    last_y = y, last_f = f, last_g = g;
+  }
+  EXPECT_LT(worst, 0.02);
+  EXPECT_LT(far_from_weights, 0.02);
+  EXPECT_LT(far_from_general, 0.02);
 }
 
 TEST(Predictor, RefusesAWindowWithoutASlope) {

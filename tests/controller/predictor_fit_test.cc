@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kRateHz = 1000.0;
 const FittedToOthersPredictionConfig kOptions = {
-    .horizon_ms = {100.0}, .order = 20, .tap_ms = 10.0};
+    .horizon_ms = {100.0}, .order = 20, .tap_ms = 10.0, .fallback = false};
 
 /// Two channels that swing at two frequencies each, with white noise [counts].
 Eigen::MatrixXd Glove(int samples, double noise_counts, std::uint64_t seed = 1) {
@@ -110,8 +110,9 @@ TEST(PredictorFit, LooksAheadByPartsOfASample) {
     line(k, 0) = value += slope;
   }
   const auto foreseen = [&line](double horizon_ms) {
-    const PredictorFit fit = FitPredictor(
-        {&line, 1}, 50.0, {.horizon_ms = {horizon_ms}, .order = 2, .tap_ms = 20.0, .caution = 1.0});
+    const PredictorFit fit =
+        FitPredictor({&line, 1}, 50.0,
+                     {.horizon_ms = {horizon_ms}, .order = 2, .tap_ms = 20.0, .fallback = false});
     const auto predictor = MakePredictor(fit.predictor, 1, 50.0);
     std::vector<double> angle(1);
     for (int k = 0; k < 50; ++k) {
