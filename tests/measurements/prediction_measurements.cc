@@ -145,9 +145,11 @@ ControllerConfig Fitted(const Study& study, const std::vector<double>& horizon_m
     }
   }
   config.prediction.settings =
-      controller::FitPredictor(
-          recordings, TimingOf(study.scenario).controller.sample_rate_hz(),
-          {.horizon_ms = horizon_ms, .offset = true, .all_channels = all_channels})
+      controller::FitPredictor(recordings, TimingOf(study.scenario).controller.sample_rate_hz(),
+                               {.horizon_ms = horizon_ms,
+                                .offset = true,
+                                .all_channels = all_channels,
+                                .fallback = false})
           .predictor;
   return config;
 }
