@@ -190,7 +190,8 @@ class StudyRun {
     outcome.health = trace.health;
     const NamedController& named = study_.scenario.controllers[controller_index];
     CauseAngles others;
-    if (causes_.Has(seed_index, controller_index) && trace.health.ok) {
+    if (causes_.Has(seed_index, controller_index) && trace.health.ok &&
+        HasTypicalBegin(named, glove, trace)) {
       const Signal unknown;
       others = cause_trials_.Run(causes_,
                                  {.named = named,
@@ -224,6 +225,24 @@ class StudyRun {
       result_.first_others[controller_index] = std::move(others);
     }
     FinishTrial(seed_index, controller_index);
+  }
+
+  /// True if the stretch of the trials for causes has the tracking error of the whole trial, within
+  /// 20 %.
+  bool HasTypicalBegin(const NamedController& named, const SeedGloves::Shared& glove,
+                       const Trace& trace) const {
+    constexpr double kMost = 1.2;
+    if (!causes_.ticks) return true;
+    const std::vector<std::size_t> tracking = {MetricIndex("tracking_rmse_deg")};
+    const auto error = [&](const CountedTicks& left_out) {
+      return ScoreTrial(study_, named.config, *glove.signal, glove.reference_rad, trace, {},
+                        tracking, {}, left_out)
+          .summary[tracking.front()];
+    };
+    const double whole = error({});
+    const double first =
+        error({{static_cast<int>(*causes_.ticks), static_cast<int>(trace.hand_angle_rad.rows())}});
+    return first <= kMost * whole && whole <= kMost * first;
   }
 
   void FinishTrial(std::size_t seed_index, std::size_t controller_index) {

@@ -135,8 +135,16 @@ TEST(CausesText, SaysHowToAskForWhatWasLeftOut) {
   EXPECT_EQ(CausesText(summary), "");
   summary.causes.is_left_out = true;
   summary.causes.cost_of_first = 6.5;
-  EXPECT_EQ(CausesText(summary),
-            "Causes of the error: option --causes first computes them, in 6.5 times the time.");
+  EXPECT_EQ(
+      CausesText(summary),
+      "Causes of the error: option --causes first computes them, in about 6.5 times the time.");
+  // The stretch was not typical of any controller.
+  Summary untypical = Switched(true, 1);
+  untypical.causes.ticks = 4000;
+  untypical.causes.cost_of_first = 6.5;
+  EXPECT_THAT(CausesText(untypical), testing::StartsWith("Tracking error of raw"));
+  untypical.controllers[1].summary[ErrorWithAll()].mean = kNan;
+  EXPECT_EQ(CausesText(untypical), CausesText(summary));
 }
 
 TEST(SwitchedTable, HasARowOfEachControllerOfWhichTrialsRan) {

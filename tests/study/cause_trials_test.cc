@@ -137,6 +137,22 @@ TEST_F(CauseTrialsTest, TakeAQuarterOfTheSimulatedTimeUnlessTheyAreAskedFor) {
   EXPECT_TRUE(std::isnan(cut.seeds[1].controllers[0].scores.summary[ErrorWithAll()]));
 }
 
+/// Sensors slip behind the stretch, so the error there says little of the whole.
+TEST_F(CauseTrialsTest, AreLeftOutWhereTheErrorOfTheStretchIsNotThatOfTheTrial) {
+  const auto found = [this](const std::string& gain) {
+    controllers_ = "  raw: {filter: none}\n";
+    const StudyResult result =
+        Run({"glove.motion.duration_s=6",
+             "glove.faults=[{kind: gain_change, start_s: 4.5, gain: " + gain + "}]"},
+            {.seeds = 8, .causes = CauseSeeds::kAuto});
+    EXPECT_EQ(result.causes.stretch_s, 4.0);
+    EXPECT_EQ(RowsOfCauses(result) > 0, std::isfinite(Score(result, "error_with_all_deg")));
+    return std::isfinite(Score(result, "error_with_all_deg"));
+  };
+  EXPECT_TRUE(found("1"));
+  EXPECT_FALSE(found("0.2"));
+}
+
 TEST_F(CauseTrialsTest, PlanIsOfAllControllersElseOfTheBaselineElseNone) {
   const auto plan = [this](int controllers, int seeds, const std::vector<std::string>& overrides) {
     controllers_.clear();

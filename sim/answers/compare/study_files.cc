@@ -112,7 +112,9 @@ Json CausesJson(const Summary& summary) {
   Json json = {{"seeds", plan.seeds}, {"first_s", nullptr}, {"controllers", Json::array()}};
   if (plan.stretch_s) json["first_s"] = *plan.stretch_s;
   for (std::size_t c = 0; c < summary.controllers.size(); ++c) {
-    if (plan.Has(0, c)) json["controllers"].push_back(summary.controllers[c].name);
+    if (std::isfinite(summary.controllers[c].summary[ErrorWithAll()].mean)) {
+      json["controllers"].push_back(summary.controllers[c].name);
+    }
   }
   return json;
 }

@@ -102,11 +102,6 @@ ResultTable SwitchedTable(const Summary& summary) {
 
 std::string CausesText(const Summary& summary) {
   constexpr double kWorthSaying = 0.02;  // of the error
-  if (summary.causes.is_left_out) {
-    return fmt::format(
-        "Causes of the error: option --causes first computes them, in {:.2g} times the time.",
-        summary.causes.cost_of_first);
-  }
   const auto value = [&](std::size_t controller, std::size_t metric) -> const MeanInterval& {
     return summary.controllers[controller].summary[metric];
   };
@@ -115,7 +110,12 @@ std::string CausesText(const Summary& summary) {
   const auto found = std::ranges::find_if(candidates, [&](std::size_t controller) {
     return std::isfinite(value(controller, ErrorWithAll()).mean);
   });
-  if (found == candidates.end()) return "";
+  if (found == candidates.end()) {
+    if (!summary.causes.is_left_out && !summary.causes.ticks) return "";
+    return fmt::format(
+        "Causes of the error: option --causes first computes them, in about {:.2g} times the time.",
+        summary.causes.cost_of_first);
+  }
   const double all_deg = value(*found, ErrorWithAll()).mean;
   std::vector<SwitchedError> errors(SwitchedErrors().begin(), SwitchedErrors().end());
   std::erase_if(errors, [&](const SwitchedError& error) {

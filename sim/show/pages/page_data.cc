@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <string>
 
@@ -168,7 +169,10 @@ Json ErrorSplitJson(const Summary& summary) {
 /// Null where no cause was switched off alone, else the errors without each, and those with all
 /// causes, per controller.
 Json SwitchedJson(const Summary& summary) {
-  if (!summary.causes.switched) return nullptr;
+  const bool any = std::ranges::any_of(summary.controllers, [](const ControllerSummary& one) {
+    return std::isfinite(one.summary[ErrorWithAll()].mean);
+  });
+  if (!any) return nullptr;
   Json json = {{"part", PartOfCauses(summary)}, {"names", {"with all causes"}}};
   std::vector<std::size_t> metrics = {ErrorWithAll()};
   for (const SwitchedError& error : SwitchedErrors()) {
