@@ -102,18 +102,21 @@ void BindLogs(py::module_& module) {
       "inspect",
       [](const std::string& file, double rate_hz, const std::string& array,
          const std::string& preset, const std::string& hand, const std::string& map,
+         const std::string& unit, const std::string& time_unit,
          const std::optional<std::pair<std::size_t, std::size_t>>& columns,
          const py::object& on_progress) {
         return Inspect(file,
                        {.rate_hz = rate_hz,
                         .array = array,
                         .map = map,
-                        .joints = {.preset = preset, .hand = hand},
+                        .time_unit = time_unit,
+                        .joints = {.preset = preset, .hand = hand, .unit = unit},
                         .columns = columns},
                        on_progress);
       },
       py::arg("file"), py::arg("rate_hz"), py::arg("array"), py::arg("preset"), py::arg("hand"),
-      py::arg("map"), py::arg("columns"), py::arg("on_progress"));
+      py::arg("map"), py::arg("unit"), py::arg("time_unit"), py::arg("columns"),
+      py::arg("on_progress"));
 }
 
 }  // namespace gauntlet::python

@@ -262,11 +262,16 @@ def identify(log: Union[str, "os.PathLike[str]"], *, source: str = "wearer", con
 
 def inspect(file: Union[str, "os.PathLike[str]"], *, rate_hz: float = 0.0, array: str = "", topic: str = "",
             preset: str = "", hand: str = "", map: Union[str, "os.PathLike[str]"] = "",
-            columns: Optional[tuple[int, int]] = None) -> InspectResult:
+            unit: str = "", time_unit: str = "", columns: Optional[tuple[int, int]] = None) -> InspectResult:
     """What a recording is: format, rate, unit, joints, defects. Arguments as of `gauntlet inspect`."""
     if hand not in ("", "left", "right"):
         raise SettingError("hand", "", f"is {hand}, must be left or right")
-    found = _core.inspect(os.fspath(file), rate_hz, _array(array, topic), preset, hand, os.fspath(map), columns, None)
+    for name, value, choices in (("unit", unit, ("deg", "rad", "counts", "share", "percent", "volts")),
+                                 ("time_unit", time_unit, ("s", "ms", "us", "ns"))):
+        if value and value not in choices:
+            raise SettingError(name, "", f"is {value}, must be one of: {', '.join(choices)}")
+    found = _core.inspect(os.fspath(file), rate_hz, _array(array, topic), preset, hand, os.fspath(map), unit, time_unit,
+                          columns, None)
     _remark(found["remarks"])
     return InspectResult(found)
 

@@ -34,7 +34,7 @@ struct Profile {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// What a table shows of itself.
+/// Facts about a table that profiles look at.
 struct ProfileFacts {
   struct Column {
     std::string name;

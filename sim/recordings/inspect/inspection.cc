@@ -225,7 +225,7 @@ void SetTime(const TimeGuess& guess, const TimeStatistics& time, double given_ra
   }
 }
 
-/// What profiles call the format.
+/// The word of profiles for the format.
 std::string FormatOfProfile(FileFormat format) {
   using enum FileFormat;
   switch (format) {

@@ -20,7 +20,7 @@ struct JointOptions {
   std::string unit;    // of the sensors: deg, rad, counts, share, percent, volts; empty: found
 };
 
-/// What is known of the columns of a table.
+/// Facts about the columns of a table.
 struct JointEvidence {
   std::span<const ColumnEvidence> columns;
   std::span<const ColumnFamily> families;  // of these columns
@@ -54,7 +54,7 @@ struct JointChoice {
 JointChoice ChooseJoints(const JointEvidence& evidence, const JointOptions& options,
                          const std::optional<ColumnMap>& map, const std::vector<Profile>& profiles);
 
-/// What a table shows of itself to profiles.
+/// The facts that profiles look at.
 ProfileFacts FactsOf(const JointEvidence& evidence);
 
 }  // namespace gauntlet::sim
