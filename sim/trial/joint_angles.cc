@@ -53,31 +53,6 @@ Signal ReferenceAngles(const controller::JointMap& joint_map, const Signal& true
   return reference;
 }
 
-JointAngleRows::JointAngleRows(controller::JointMap joint_map)
-    : joint_map_(std::move(joint_map)),
-      are_channels_(joint_map_.joint_count() == joint_map_.channel_count()) {
-  for (int joint = 0; joint < joint_map_.joint_count(); ++joint) {
-    const auto& terms = joint_map_.terms(joint);
-    are_channels_ = are_channels_ && joint_map_.offset_rad(joint) == 0.0 && terms.size() == 1 &&
-                    terms[0].channel == joint && terms[0].weight == 1.0;
-  }
-}
-
-Eigen::Map<const AngleRows> JointAngleRows::Of(std::span<const double> channel_angle_rad) {
-  GAUNTLET_ASSERT(std::ssize(channel_angle_rad) % joint_map_.channel_count() == 0);
-  const auto channels = static_cast<std::size_t>(joint_map_.channel_count());
-  const auto rows = static_cast<Eigen::Index>(channel_angle_rad.size() / channels);
-  const Eigen::Index joints = joint_map_.joint_count();
-  if (are_channels_) return {channel_angle_rad.data(), rows, joints};
-  joint_rad_.resize(rows, joints);
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    joint_map_.ToJoints(
-        channel_angle_rad.subspan(static_cast<std::size_t>(row) * channels, channels),
-        {&joint_rad_(row, 0), static_cast<std::size_t>(joints)});
-  }
-  return {joint_rad_.data(), rows, joints};
-}
-
 Signal CommandAngles(const controller::TendonTransmission& transmission,
                      const IntegerSignal& command_counts) {
   controller::TendonMap map(transmission, true);

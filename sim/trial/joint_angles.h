@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
 #include <vector>
 
 #include "controller/controller_config.h"
@@ -17,24 +16,6 @@ Signal JointAngles(const controller::JointMap& joint_map, const Signal& channel_
 /// Reference of the hand's joints: the joint map of the wearer's true angles, as trace.h5
 /// holds it (see Stored). Shapes and units as above.
 Signal ReferenceAngles(const controller::JointMap& joint_map, const Signal& true_angle_rad);
-
-/// Angles tick by tick: ticks x joints, or channels [rad].
-using AngleRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// JointAngles() tick by tick.
-class JointAngleRows {
- public:
-  explicit JointAngleRows(controller::JointMap joint_map);
-
-  /// Ticks x channels in, one tick after the other. Good until the next call, and as long as what
-  /// is given: where joints are channels it is that itself.
-  Eigen::Map<const AngleRows> Of(std::span<const double> channel_angle_rad);
-
- private:
-  controller::JointMap joint_map_;
-  bool are_channels_;  // each joint that of its own number, and nothing else
-  AngleRows joint_rad_;
-};
 
 /// A command as the posture that it asks of a hand whose cables neither stretch nor go slack; NaN
 /// for joints that springs decide. Shapes: ticks x motors in, ticks x joints out. Units: counts in,
