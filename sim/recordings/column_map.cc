@@ -353,11 +353,14 @@ std::string AssumptionsOf(const ColumnMap& map) {
     }
   }
   std::string text;
-  for (auto& [words, channels] : channels_by_words) {
-    for (std::size_t at = 0; (at = words.find(' ', at)) != std::string::npos; at += 5) {
-      words.replace(at, 1, " and ");
+  for (const auto& [words, channels] : channels_by_words) {
+    const std::vector<std::string_view> parts = SplitCells(words, ' ');
+    std::string listed;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      listed += i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ";
+      listed += parts[i];
     }
-    text += fmt::format("{}{} of {}", text.empty() ? "assumed: " : "; ", words, channels);
+    text += fmt::format("{}{} of {}", text.empty() ? "assumed: " : "; ", listed, channels);
   }
   return text.empty() ? "" : text + " (to confirm: the row all,confirmed in the map)";
 }

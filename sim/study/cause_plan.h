@@ -35,11 +35,12 @@ struct CausePlan {
 ///
 ///     stretch = 0.25 * simulated time of the other trials / number of trials for causes
 ///
-/// The stretch is the begin of the motion. Of it 4 s count, or it is the whole motion. Its RMS speed
-/// is that of the motion, within 20 %. From there on, ratios of errors differ by 0.01 from those of
-/// the whole motion (median over nine scenarios, at most 0.10; without the rule for the speed 0.29).
-/// It is that of all controllers, else of the baseline alone; else nothing is planned. A controller
-/// whose tracking error in the stretch is not that of its whole trial, within 20 %, is left out.
+/// The stretch is the begin of the motion. Of it 4 s count, or it is the whole motion. Its RMS
+/// speed is that of the motion, within 20 %. From there on, ratios of errors differ by 0.01 from
+/// those of the whole motion (median over nine scenarios, at most 0.10; without the rule for the
+/// speed 0.29). It is that of all controllers, else of the baseline alone; else nothing is planned.
+/// A controller whose tracking error in the stretch is not that of its whole trial, within 20 %, is
+/// left out.
 CausePlan PlanCauses(const Study& study, int seeds, CauseSeeds asked);
 
 /// Trials with one cause switched off, and with the arm at rest, of one controller and seed.

@@ -102,8 +102,8 @@ bool AreHands(const KeypointRows& rows, const std::vector<KeypointColumns>& hand
   return true;
 }
 
-/// True if the first rows of a text, if it has enough of them, are not those of hands: then the rest
-/// need not be read.
+/// True if the first rows of a text, if it has enough of them, are not those of hands: then the
+/// rest need not be read.
 bool BeginsWithoutHands(const std::string& name, std::string_view head,
                         const std::vector<KeypointColumns>& hands) {
   constexpr std::size_t kEnoughRows = 50;
