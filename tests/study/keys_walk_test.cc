@@ -270,9 +270,6 @@ const std::vector<Step>& Walk() {
       {"glove.noise.mains_hz=10", kChanges, {}, kHum},
       {"glove.noise.mains_hz=400", kChanges, {}, kHum},
       {"glove.noise.mains_hz=400", kChanges, {}, {kHum[0], "glove.rate_hz=33.3"}},
-      {"glove.noise.walk_counts_per_sqrt_s=0", kKeeps},  // the default
-      {"glove.noise.walk_counts_per_sqrt_s=1000", kChanges},
-      {"glove.noise.walk_counts_per_sqrt_s=50", kChanges, {}, kSlow},
       // Controllers.
       {kOf + "filter_at=event", kChanges},
       {kOf + "filter_at=event", kChanges, {}, kFiveSlow},

@@ -30,7 +30,7 @@ Scenario SlowGlove(const std::string& more_of_glove = "", double duration_s = 0.
                "}\n"
                "  tremor: {rms_deg: 1}\n" +
                (more_of_glove.empty()
-                    ? "  noise: {pink_variance_counts2: 9, walk_counts_per_sqrt_s: 2}\n"
+                    ? "  noise: {pink_variance_counts2: 9}\n"
                       "  faults: [spikes, {kind: stuck, channels: [index_pip], start_s: 0.5}]\n"
                     : more_of_glove) +
                "controllers:\n"
