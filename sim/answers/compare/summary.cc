@@ -168,7 +168,7 @@ std::vector<double> SeedValues(const StudyResult& result, std::size_t controller
 std::string PartOfCauses(const Summary& summary) {
   const CausePlan& plan = summary.causes;
   const bool of_several = !summary.one_run && summary.blocks.empty() && plan.seeds == 1;
-  const std::string seed = of_several ? "first seed" : "";
+  std::string seed = of_several ? "first seed" : "";
   if (!plan.stretch_s) return seed;
   return fmt::format("first {:g} s{}{}", *plan.stretch_s, of_several ? " of the " : "", seed);
 }
