@@ -20,6 +20,7 @@
 #include "sim/recordings/envelope.h"
 #include "sim/recordings/inspect/health.h"
 #include "sim/recordings/inspect/row_groups.h"
+#include "sim/recordings/inspect/stop_questions.h"
 #include "sim/recordings/profile.h"
 #include "sim/recordings/table_source.h"
 #include "sim/recordings/time_guess.h"
@@ -398,14 +399,6 @@ void SetJoints(const std::vector<ColumnFamily>& families, const JointChoice& cho
                                                : Remedy::kPresetOrMap;
 }
 
-double DegPerUnit(const Inspection& inspection) {
-  return inspection.unit == RawUnit::kRadians ? kDegPerRad : 1.0;
-}
-
-bool HasAngles(const Inspection& inspection) {
-  return inspection.unit == RawUnit::kDegrees || inspection.unit == RawUnit::kRadians;
-}
-
 /// True if a map or a profile says what the values are.
 bool HasMappings(const Inspection& inspection) {
   return std::ranges::any_of(
@@ -415,7 +408,7 @@ bool HasMappings(const Inspection& inspection) {
 /// One sign for all joints that bend mainly to the positive side: that of most of them. Angles of
 /// a joint that are nearly all negative fall while it bends.
 void GuessSign(Inspection& inspection) {
-  if (!HasAngles(inspection) || HasMappings(inspection)) return;
+  if (!inspection.HasAngles() || HasMappings(inspection)) return;
   std::vector<std::size_t> flexions;
   std::size_t falling = 0, rising = 0;
   for (const std::size_t c : inspection.MappedColumns()) {
@@ -423,8 +416,8 @@ void GuessSign(Inspection& inspection) {
     const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
     if (joint.max_deg < -joint.min_deg + 20.0 || column.is_turning) continue;
     flexions.push_back(c);
-    const double middle_deg =
-        DegPerUnit(inspection) * (column.statistics.usual_low + column.statistics.usual_high) / 2.0;
+    const double middle_deg = inspection.DegPerUnit() *
+                              (column.statistics.usual_low + column.statistics.usual_high) / 2.0;
     const double far_deg = 0.05 * (joint.max_deg - joint.min_deg);
     falling += middle_deg < -far_deg ? 1 : 0;
     rising += middle_deg > far_deg ? 1 : 0;
@@ -458,322 +451,6 @@ void UnwrapTurns(Inspection& inspection) {
     column.why += "; it jumps by 360: the jumps are undone";
     for (double& value : values) value += column.turned_deg;
   }
-}
-
-/// Share of the rows with an angle beyond the joint's range, by more than this share of the range.
-double ShareBeyond(const Inspection& inspection, std::size_t c, double margin) {
-  const InspectedColumn& column = inspection.columns[c];
-  const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
-  const double reach_deg = margin * (joint.max_deg - joint.min_deg) + 0.1;
-  double factor = DegPerUnit(inspection) * (column.is_inverted ? -1.0 : 1.0);
-  double offset_deg = 0.0;
-  if (!column.mappings.empty()) {
-    const ColumnScale scale = ScaleOf(column.mappings.front(), {});
-    factor = scale.factor * kDegPerRad;
-    offset_deg = scale.offset_rad * kDegPerRad;
-  }
-  double beyond = 0.0, all = 0.0;
-  for (const double value : inspection.picture_values[c]) {
-    if (!std::isfinite(value)) continue;
-    all += 1.0;
-    const double deg = factor * value + offset_deg;
-    beyond += deg < joint.min_deg - reach_deg || deg > joint.max_deg + reach_deg ? 1.0 : 0.0;
-  }
-  return all > 0.0 ? beyond / all : 0.0;
-}
-
-/// A sentence if an angle is nearly always beyond its joint's range, or often far beyond it.
-std::string RangeQuestion(const Inspection& inspection) {
-  if (!HasAngles(inspection)) return "";
-  constexpr double kNearlyAlways = 0.95;
-  constexpr double kOften = 0.05;
-  constexpr double kFar = 0.5;  // of the joint's range: reading takes it for a glitch
-  for (const std::size_t c : inspection.MappedColumns()) {
-    const double share = ShareBeyond(inspection, c, 0.0);
-    const double far_share = ShareBeyond(inspection, c, kFar);
-    if (share < kNearlyAlways && far_share < kOften) continue;
-    const Channel& joint = KnownChannels()[ChannelIndex(inspection.columns[c].channel)];
-    return fmt::format(
-        "column {}: {} of {:.0f} % of the rows is outside its range, {:g} to {:g} deg; the unit "
-        "[{}] "
-        "or the joint is another",
-        c + 1, joint.name, 100.0 * std::max(share, far_share), joint.min_deg, joint.max_deg,
-        NameOf(inspection.unit));
-  }
-  return "";
-}
-
-/// A sentence if the joints have a clock of their own, with the first word of their names, whose
-/// duration is not that of the time.
-std::string ClockQuestion(const Inspection& inspection) {
-  constexpr double kSame = 0.005;  // of the duration
-  const double duration_s = inspection.time.duration_s;
-  for (std::size_t c = 0; inspection.has_time && c < inspection.columns.size(); ++c) {
-    const InspectedColumn& column = inspection.columns[c];
-    const std::size_t cut = std::min(column.name.find('_'), column.name.size() - 1) + 1;
-    const auto scale_s = TimeScaleS(column.name.substr(cut));
-    const double own_s = scale_s.value_or(kNaN) * (column.statistics.high - column.statistics.low);
-    const std::string_view word = std::string_view(column.name).substr(0, cut);
-    const auto has_word = [&](std::size_t i) {
-      return inspection.columns[i].name.starts_with(word);
-    };
-    if (column.is_time || !(std::abs(own_s - duration_s) > kSame * duration_s) ||
-        !std::ranges::all_of(inspection.MappedColumns(), has_word)) {
-      continue;
-    }
-    return fmt::format(
-        "the joints have a clock of their own, column {}, which takes {:.4g} s, not {:.4g} s; "
-        "name it as the time in a map",
-        c + 1, own_s, duration_s);
-  }
-  return "";
-}
-
-/// A sentence and its remedy.
-struct Question {
-  std::string sentence = {};  // empty: none
-  Remedy remedy = Remedy::kInSentence;
-};
-
-/// A question if rows of several hands, devices or sessions are in one table.
-Question GroupQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
-                       bool has_map) {
-  std::vector<std::size_t> joints;
-  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
-    // Rows of two hands look like noise.
-    if (!inspection.columns[c].channel.empty()) joints.push_back(c);
-  }
-  for (const RowGroups& group : groups) {
-    const std::string& name = inspection.columns[group.column()].name;
-    const std::string column = fmt::format("column {} '{}'", group.column() + 1, OneLine(name, 20));
-    if (group.Alternate(joints)) {
-      return {fmt::format("rows of {} hands or devices alternate ({}); keep those of one in a file",
-                          group.count(), column)};
-    }
-    if (!has_map && NamesParts(name) && group.Jump(joints)) {
-      return {fmt::format(
-                  "the joints jump where {} changes, and the clock does not start anew; write each "
-                  "of the {} parts to a file, or keep all as one recording by a map",
-                  column, group.count()),
-              Remedy::kMap};
-    }
-  }
-  return {};
-}
-
-/// A sentence if the time falls from row to row.
-std::string FallingTimeQuestion(const Inspection& inspection) {
-  constexpr double kNearlyAlways = 0.9;
-  for (std::size_t c = 0; !inspection.has_time && c < inspection.columns.size(); ++c) {
-    const InspectedColumn& column = inspection.columns[c];
-    if (TimeScaleS(column.name) && column.statistics.falling_share > kNearlyAlways) {
-      return fmt::format("the time (column {}) falls from row to row; sort the rows by it", c + 1);
-    }
-  }
-  return "";
-}
-
-/// A sentence if a column of time only counts the rows, in no unit that is known.
-std::string CountingTimeQuestion(const Inspection& inspection) {
-  for (std::size_t c = 0; !inspection.rate_is_known && c < inspection.columns.size(); ++c) {
-    const InspectedColumn& column = inspection.columns[c];
-    constexpr double kNearlyAll = 0.95;
-    const bool counts =
-        column.kind == CellKind::kNumber &&
-        column.statistics.counting_share - column.statistics.still_share > kNearlyAll;
-    if (inspection.has_time || !TimeScaleS(column.name) || !counts) continue;
-    return fmt::format(
-        "column {} '{}' rises by 1: milliseconds, or numbers of rows? --time-unit ms, or the rate "
-        "of the rows by --rate HZ",
-        c + 1, OneLine(column.name, 20));
-  }
-  return "";
-}
-
-/// A sentence if texts that may be the time are not understood, and the rate would be assumed.
-std::string TextTimeQuestion(const Inspection& inspection) {
-  for (std::size_t c = 0; !inspection.rate_is_known && c < inspection.columns.size(); ++c) {
-    const InspectedColumn& column = inspection.columns[c];
-    const bool is_named = TimeScaleS(column.name) ||
-                          HasWordOf(WordsOf(column.name), "time timestamp datetime clock stamp");
-    if (inspection.has_time || column.kind != CellKind::kText || !is_named) continue;
-    return fmt::format(
-        "the time (column {}) is a text that is not understood: '{}'; write it in seconds, or give "
-        "the rate to gauntlet inspect --rate HZ",
-        c + 1, OneLine(inspection.layout.rows.front()[c], 30));
-  }
-  return "";
-}
-
-/// A sentence if the header has one name too few, and it is unknown which.
-std::string HeaderQuestion(const Inspection& inspection) {
-  if (!inspection.problems.contains(std::string(NameOf(RecordingProblem::kShortHeader)))) return "";
-  const bool is_last = inspection.columns.back().name.empty();
-  const InspectedColumn& nameless =
-      is_last ? inspection.columns.back() : inspection.columns.front();
-  constexpr double kNearlyAll = 0.95;
-  const bool counts = nameless.statistics.counting_share > kNearlyAll;
-  const bool is_clear = nameless.kind != CellKind::kNumber || nameless.statistics.step == 0.0 ||
-                        nameless.is_time || (!is_last && counts);
-  if (is_clear) return "";
-  return fmt::format(
-      "the header has {} names for {} columns, and the one without a name is unknown; name all",
-      inspection.columns.size() - 1, inspection.columns.size());
-}
-
-/// A sentence if the header has one name too many, and it is unknown which.
-std::string LongHeaderQuestion(const Inspection& inspection) {
-  const std::string& extra = inspection.layout.extra_name;
-  const bool is_clear = extra.empty() ||
-                        HasWordOf(WordsOf(extra), "comment comments remark note notes label") ||
-                        WordsOf(extra).empty() ||
-                        std::ranges::any_of(inspection.columns, [](const InspectedColumn& column) {
-                          return column.is_time && TimeScaleS(column.name).has_value();
-                        });
-  if (is_clear) return "";
-  return fmt::format(
-      "the header has {} names for {} columns, and the one without values is unknown; name each "
-      "column once",
-      inspection.columns.size() + 1, inspection.columns.size());
-}
-
-/// A sentence if the time is missing in many rows, or goes back in many.
-std::string TimeQuestion(const Inspection& inspection) {
-  if (!inspection.has_time) return "";
-  constexpr double kMost = 0.05;
-  const auto rows = static_cast<double>(inspection.rows);
-  const double missing = static_cast<double>(inspection.time.missing) / rows;
-  const double restarts = static_cast<double>(inspection.time.restarts) / rows;
-  if (missing > kMost) {
-    return fmt::format("the time is missing in {:.0f} % of the rows; keep those that have one",
-                       100.0 * missing);
-  }
-  if (restarts > kMost) {
-    return fmt::format("the time goes back in {:.0f} % of the rows; sort them by the time",
-                       100.0 * restarts);
-  }
-  return "";
-}
-
-/// A sentence if the lines above the table say another rate than the time, whose unit is a guess.
-std::string RateQuestion(const Inspection& inspection) {
-  constexpr double kFar = 1.5;
-  const double ratio = inspection.noted_rate_hz / inspection.time.rate_hz;
-  if (!inspection.has_time || inspection.noted_rate_hz == 0.0 ||
-      (ratio < kFar && ratio > 1.0 / kFar)) {
-    return "";
-  }
-  return fmt::format(
-      "the lines above the table say {:.5g} Hz, the time {:.5g} Hz; the unit of the time is "
-      "unknown",
-      inspection.noted_rate_hz, inspection.time.rate_hz);
-}
-
-/// A sentence if rows of several tables are below each other.
-std::string TablesQuestion(const Inspection& inspection) {
-  constexpr std::size_t kMostRows = 9;  // more are no lines above a table
-  constexpr std::size_t kFewRows = 2;
-  const TableLayout& layout = inspection.layout;
-  if (layout.rows_before > kMostRows ||
-      (layout.rows_before > kFewRows && kMostRows * layout.rows_before > inspection.rows)) {
-    return fmt::format(
-        "{} rows above the table have another number of columns; write each table to a file",
-        layout.rows_before);
-  }
-  if (layout.second_names_line == 0) return "";
-  return fmt::format("line {} names the columns anew, in another way; write each table to a file",
-                     layout.second_names_line);
-}
-
-/// A sentence if many rows have another number of values than there are columns.
-std::string RowsQuestion(const Inspection& inspection) {
-  constexpr double kMost = 0.05;
-  for (const auto& [problem, words] : {std::pair(RecordingProblem::kTruncatedRow, "fewer"),
-                                       std::pair(RecordingProblem::kRowTooLong, "more")}) {
-    const auto found = inspection.problems.find(std::string(NameOf(problem)));
-    if (found == inspection.problems.end()) continue;
-    const double share = static_cast<double>(found->second) / static_cast<double>(inspection.rows);
-    if (share <= kMost) continue;
-    return fmt::format(
-        "{:.0f} % of the rows have {} than {} values; write as many in each, empty ones where "
-        "there are none",
-        100.0 * share, words, inspection.columns.size());
-  }
-  return "";
-}
-
-/// Seconds in a cell of a column of times.
-double SecondsIn(const Inspection& inspection, std::size_t column, const std::string& cell) {
-  const InspectedColumn& is = inspection.columns[column];
-  if (is.kind != CellKind::kNumber) return SecondsOfText(cell).value_or(kNaN);
-  const double scale_s = is.is_time ? SecondsPer(is.time_unit) : TimeScaleS(is.name).value_or(1.0);
-  return scale_s * NumberIn(inspection.layout, cell);
-}
-
-/// A sentence if joints stand before and behind a second clock that is not the time: each then has
-/// a clock of its own.
-std::string OwnClocksQuestion(const Inspection& inspection) {
-  const std::vector<InspectedColumn>& columns = inspection.columns;
-  const std::vector<std::size_t> joints = inspection.MappedColumns();
-  const auto time = std::ranges::find_if(columns, &InspectedColumn::is_time);
-  if (std::ranges::count_if(columns, &InspectedColumn::is_time) != 1 || joints.empty()) {
-    return "";
-  }
-  const auto time_column = static_cast<std::size_t>(time - columns.begin());
-  for (std::size_t c = joints.front() + 1; c < joints.back(); ++c) {
-    const bool is_clock = columns[c].kind == CellKind::kTime ||
-                          HasWordOf(WordsOf(columns[c].name), "time timestamp clock");
-    if (columns[c].is_time || columns[c].is_sensor || columns[c].kind == CellKind::kText ||
-        !is_clock) {
-      continue;
-    }
-    constexpr double kOften = 0.05;
-    double apart = 0.0, farthest_s = 0.0;
-    for (const std::vector<std::string>& row : inspection.layout.rows) {
-      const double away_s = std::abs(SecondsIn(inspection, c, row[c]) -
-                                     SecondsIn(inspection, time_column, row[time_column]));
-      apart += away_s * inspection.time.rate_hz > 1.0 ? 1.0 : 0.0;
-      farthest_s = std::fmax(farthest_s, away_s);
-    }
-    if (apart <= kOften * static_cast<double>(inspection.layout.rows.size())) continue;
-    return fmt::format(
-        "columns {} and {} are clocks of different joints, up to {:.3g} s apart; keep one clock "
-        "and its joints, or name the time in a map",
-        time_column + 1, c + 1, farthest_s);
-  }
-  return "";
-}
-
-/// A question if the recording cannot be played as it is understood.
-Question StopQuestion(const Inspection& inspection, const std::vector<RowGroups>& groups,
-                      bool has_map) {
-  constexpr double kSlowest_hz = 1.0;
-  constexpr double kFastest_hz = 1e4;
-  const double rate_hz = inspection.time.rate_hz;
-  if (rate_hz < kSlowest_hz || rate_hz > kFastest_hz) {
-    return {fmt::format(
-                "{:.4g} rows per second, must be from 1 to 10000: the unit of the time is another",
-                rate_hz),
-            Remedy::kMap};
-  }
-  Question question = GroupQuestion(inspection, groups, has_map);
-  if (question.sentence.empty() && inspection.MappedColumns().empty()) {
-    question = {"no sensor of the hand changes its value by more than its noise"};
-  }
-  if (question.sentence.empty()) question = {TablesQuestion(inspection)};
-  if (question.sentence.empty()) question = {RowsQuestion(inspection)};
-  if (question.sentence.empty()) question = {TimeQuestion(inspection)};
-  if (has_map) return question;
-  if (question.sentence.empty()) question = {RateQuestion(inspection), Remedy::kMap};
-  if (question.sentence.empty()) question = {HeaderQuestion(inspection)};
-  if (question.sentence.empty()) question = {LongHeaderQuestion(inspection)};
-  if (question.sentence.empty()) question = {OwnClocksQuestion(inspection), Remedy::kMap};
-  if (question.sentence.empty()) question = {FallingTimeQuestion(inspection)};
-  if (question.sentence.empty()) question = {TextTimeQuestion(inspection)};
-  if (question.sentence.empty()) question = {CountingTimeQuestion(inspection)};
-  if (question.sentence.empty()) question = {ClockQuestion(inspection), Remedy::kMap};
-  if (question.sentence.empty()) question = {RangeQuestion(inspection), Remedy::kPresetOrMap};
-  return question;
 }
 
 void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
@@ -814,7 +491,7 @@ void FindJoints(const TableStatistics& statistics, const std::vector<RowGroups>&
   UnwrapTurns(inspection);
   GuessSign(inspection);
   if (inspection.question.empty()) {
-    const Question stop = StopQuestion(inspection, groups, map.has_value());
+    const StopQuestion stop = FindStopQuestion(inspection, groups, map.has_value());
     inspection.question = stop.sentence;
     inspection.remedy = stop.remedy;
   }
@@ -837,6 +514,12 @@ std::vector<std::size_t> Inspection::Sensors() const {
   }
   return sensors;
 }
+
+bool Inspection::HasAngles() const {
+  return unit == RawUnit::kDegrees || unit == RawUnit::kRadians;
+}
+
+double Inspection::DegPerUnit() const { return unit == RawUnit::kRadians ? kDegPerRad : 1.0; }
 
 double LowDegOf(const Channel& joint) {
   return joint.name.ends_with("_mcp") ? std::max(joint.min_deg, 0.0) : joint.min_deg;

@@ -88,6 +88,10 @@ struct Inspection {
   std::vector<std::size_t> MappedColumns() const;
   /// Sensors of the hand, dead ones included.
   std::vector<std::size_t> Sensors() const;
+  /// True if the sensors are in deg or rad.
+  bool HasAngles() const;
+  /// Degrees per unit of these angles.
+  double DegPerUnit() const;
 };
 
 struct InspectionOptions {
