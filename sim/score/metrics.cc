@@ -185,6 +185,7 @@ constexpr MetricRow kRows[] = {
                     "Kaiser window, 0.8 to 1.2 of it (8 to 12 Hz), 80 dB; 6.3 of its periods (0.63 "
                     "s) at both ends left out; 3 to 10 % too large with the default hand.step_ms",
       .main = true,
+      .needs_stretch = true,
       .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) { return kDegPerRad * j.jitter_rad(); }},
     {{.key = "noise_jitter_rms_deg",
@@ -195,6 +196,7 @@ constexpr MetricRow kRows[] = {
                     "glove",
       .main = true,
       .needs_twin = true,
+      .needs_stretch = true,
       .relevant_difference = kVisibleTrembling},
      [](const ScoredJoint& j) { return kDegPerRad * j.noise_jitter_rad(); }},
     {{.key = "command_reversals_per_s",
@@ -478,6 +480,7 @@ constexpr MetricRow kRows[] = {
       .help = "jitter_rms_deg of the joints of fingers and thumb",
       .definition = "mean of jitter_rms_deg over the measured joints between palm and fingertips",
       .detailed = true,
+      .needs_stretch = true,
       .relevant_difference = kVisibleTrembling},
      [](const ScoredHand& h) { return kDegPerRad * h.JitterOf_rad(ScoredGroup::kFinger); }},
     {{.key = "wrist_jitter_rms_deg",
@@ -486,6 +489,7 @@ constexpr MetricRow kRows[] = {
       .help = "jitter_rms_deg of the joints of wrist and forearm",
       .definition = "the same over joints that move the palm, with motors of hand.servo",
       .detailed = true,
+      .needs_stretch = true,
       .relevant_difference = kVisibleTrembling},
      [](const ScoredHand& h) { return kDegPerRad * h.JitterOf_rad(ScoredGroup::kWrist); }},
     {{.key = "arm_jitter_rms_deg",
@@ -494,6 +498,7 @@ constexpr MetricRow kRows[] = {
       .help = "jitter_rms_deg of elbow and shoulder",
       .definition = "the same over joints that move the palm, with motors of hand.arm_servo",
       .detailed = true,
+      .needs_stretch = true,
       .relevant_difference = kVisibleTrembling},
      [](const ScoredHand& h) { return kDegPerRad * h.JitterOf_rad(ScoredGroup::kArm); }},
     {{.key = "arm_share_of_finger_jitter",
@@ -511,6 +516,7 @@ constexpr MetricRow kRows[] = {
       .definition = "sqrt(sum over x, y, z of mean(a^2)), a the difference of the palm's velocity "
                     "from tick to tick, behind the high pass of jitter_rms_deg",
       .detailed = true,
+      .needs_stretch = true,
       .relevant_difference = kPalmVibration},
      [](const ScoredHand& h) {
        return h.palm_velocity_m_s == nullptr

@@ -1,5 +1,7 @@
 #include "sim/score/score.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -8,6 +10,7 @@
 #include "controller/assert.h"
 #include "sim/base/stop.h"
 #include "sim/score/fourier.h"
+#include "sim/score/jitter.h"
 #include "sim/score/metrics.h"
 #include "sim/score/no_score.h"
 
@@ -190,6 +193,26 @@ Scores NoScores(const ScoreRows& rows) {
 bool NeedsNoiseFreeTwin(std::size_t metric) { return Metrics()[metric].needs_twin; }
 bool NeedsChain(std::size_t metric) { return Metrics()[metric].needs_chain; }
 bool NeedsSwitched(std::size_t metric) { return Metrics()[metric].needs_switched; }
+
+std::string WhyNoValue(std::size_t metric, double jitter_above_hz, double longest_s) {
+  constexpr double kTick_hz = 1000.0;  // to a millisecond, whatever the rate
+  const Metric& is = Metrics()[metric];
+  if (is.needs_stretch) {
+    const double least_s =
+        static_cast<double>(TremblingTicks(kTick_hz, jitter_above_hz)) / kTick_hz;
+    if (longest_s >= least_s) return "";
+    return fmt::format("it needs {:.2g} s of motion without a gap, and there are {:.2g} s", least_s,
+                       longest_s);
+  }
+  // A quarter of the motion is searched, and a delay is a maximum inside it.
+  constexpr double kShort_s = 4.0;
+  if (is.key == "delay_ms" && longest_s < kShort_s) {
+    return fmt::format(
+        "it is searched in a quarter of the motion, {:.2g} s, and is not inside or not clear",
+        0.25 * longest_s);
+  }
+  return "";
+}
 
 Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
                      std::span<const std::size_t> metrics) {

@@ -106,6 +106,7 @@ struct Metric {
   bool needs_fingertips = false;  // no value without the fingertips
   bool needs_link = false;        // no value without a link that is set
   bool extreme = false;           // one moment decides it: no mean over time
+  bool needs_stretch = false;     // no value without a stretch for the high pass of jitter
   RelevantDifference relevant_difference = {};
 };
 
@@ -159,6 +160,10 @@ bool NeedsNoiseFreeTwin(std::size_t metric);
 bool NeedsChain(std::size_t metric);
 /// True if it has none without the trials in which one cause is switched off.
 bool NeedsSwitched(std::size_t metric);
+/// Reason why a metric has no value where the longest motion takes `longest_s`, as the end of a
+/// sentence: "it needs 1.4 s of motion without a gap, and there are 0.5 s". Empty if the length is
+/// not the reason.
+std::string WhyNoValue(std::size_t metric, double jitter_above_hz, double longest_s);
 
 /// Pure: the same signals give the same scores, on any number of threads. A hand that was stopped
 /// early is shorter than the reference; the rows that exist are scored. Only `metrics`, if there

@@ -262,6 +262,12 @@ TEST(ComparisonVerdict, LeavesOutAScoreThatAControllerHasNoValueOf) {
   EXPECT_THAT(verdict.Text(), HasSubstr("The delay has no value for some controllers, so it is not "
                                         "judged."));
   EXPECT_THAT(verdict.Text(), Not(HasSubstr("59.0 ms")));
+  Summary is_short = summary;
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    is_short.no_value.push_back(WhyNoValue(m, 10.0, 0.5));
+  }
+  EXPECT_THAT(AnswerOf(is_short).verdict.Text(),
+              HasSubstr("it is searched in a quarter of the motion, 0.12 s"));
   Summary by_delay = summary;
   by_delay.priority = ParsePriority("delay");
   EXPECT_EQ(AnswerOf(by_delay).verdict.recommended, "");

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/score/score.h"
 #include "sim/score/score_config.h"
 #include "sim/score/tracking.h"
 #include "tests/score/signals.h"
@@ -47,6 +48,16 @@ TEST(Jitter, OfHalfADegreeAt12HertzUnderALargeMotionIsHalfADegree) {
            0.5 * std::sqrt(2.0) * std::sin(2.0 * kPi * 12 * t);
   });
   EXPECT_NEAR(JitterRms(angle), 0.50, 0.01);
+}
+
+TEST(Jitter, SaysHowLongAMotionMustBe) {
+  const std::size_t jitter = MetricIndex("jitter_rms_deg");
+  const double least_s = 1e-3 * static_cast<double>(TremblingTicks(1000.0, 10.0));
+  EXPECT_EQ(WhyNoValue(jitter, 10.0, least_s), "");
+  EXPECT_EQ(WhyNoValue(jitter, 10.0, 0.5),
+            "it needs 1.4 s of motion without a gap, and there are 0.5 s");
+  EXPECT_NE(WhyNoValue(jitter, 5.0, least_s), "");  // a lower edge needs more
+  EXPECT_EQ(WhyNoValue(MetricIndex("tracking_rmse_deg"), 10.0, 0.1), "");
 }
 
 TEST(Jitter, OfRampsAndConstantsIsZeroEvenAtTheEnds) {

@@ -318,9 +318,10 @@ void AddWarnings(const Summary& summary, const Choice& choice,
                  std::optional<std::size_t> recommended, Verdict& verdict) {
   for (const std::size_t metric : choice.left_out()) {
     if (choice.all().empty()) break;
-    verdict.AddWarning("no_value",
-                       fmt::format("The {} has no value for some controllers, so it is not judged.",
-                                   Metrics()[metric].name));
+    const std::string why = metric < summary.no_value.size() ? summary.no_value[metric] : "";
+    verdict.AddWarning(
+        "no_value", fmt::format("The {} has no value for some controllers, so it is not judged{}.",
+                                Metrics()[metric].name, why.empty() ? "" : ": " + why));
   }
   if (recommended) {
     verdict.AddWarning("undecided", CountedAsEquivalent(summary, choice, *recommended));

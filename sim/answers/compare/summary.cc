@@ -181,6 +181,10 @@ Summary Summarise(const Study& study, const StudyResult& result, RecordingBlocks
     if (remark.find(kAssumed) != std::string::npos) summary.assumed.push_back(remark + ".");
   }
   summary.causes = result.causes;
+  for (std::size_t m = 0; m < Metrics().size(); ++m) {
+    summary.no_value.push_back(
+        WhyNoValue(m, study.scenario.score.jitter_above_hz, result.longest_s));
+  }
   summary.baseline = BaselineOf(study.scenario);
   summary.one_run = result.seeds.size() < 2 && summary.blocks.empty();
   const std::vector<int> motions = MotionsOf(result);

@@ -49,6 +49,7 @@ struct Summary {
   int primary_pairs = 0;   // of these in primary scores
   Priority priority = {.metric = PrimaryScores().front().metric, .bounds = {}};  // of the scenario
   CausePlan causes = {};                // of the trials with one cause of the error switched off
+  std::vector<std::string> no_value;    // of each metric: why, where the motion is too short
   std::vector<std::string> assumed;     // in column maps of recordings, a sentence each
   std::vector<Comparison> comparisons;  // of all pairs, both ways: see Of()
   ComparisonAnswer answer = {};         // what follows from all this: every output shows it

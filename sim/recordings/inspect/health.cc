@@ -67,7 +67,7 @@ double DriftOf(const Inspection& inspection, std::size_t column) {
   return std::abs(rests.back() - rests.front()) / (is.usual_high - is.usual_low);
 }
 
-constexpr HealthRule kRules[] = {
+constexpr HealthRule kHealthRules[] = {
     {"dead",
      [](const Inspection& inspection, std::size_t c) -> std::optional<double> {
        const ColumnStatistics& is = StatisticsOf(inspection, c);
@@ -193,7 +193,7 @@ std::vector<HealthFinding> HealthOf(const Inspection& inspection) {
   Others others;
   if (!ratios.empty()) others.range_over_noise = Quantile(ratios, 0.5);
   std::vector<HealthFinding> findings;
-  for (const HealthRule& rule : kRules) {
+  for (const HealthRule& rule : kHealthRules) {
     const std::size_t first = findings.size();
     for (const std::size_t c : inspection.Sensors()) {
       const bool is_told = std::ranges::any_of(findings, [c](const HealthFinding& finding) {

@@ -330,7 +330,7 @@ struct StopRule {
 };
 
 /// The first sentence counts.
-constexpr StopRule kRules[] = {
+constexpr StopRule kStopRules[] = {
     {RateBeyondQuestion, Remedy::kMap, true},
     {AlternatingQuestion, Remedy::kInSentence, true},
     {JumpingQuestion, Remedy::kMap},
@@ -353,7 +353,7 @@ constexpr StopRule kRules[] = {
 
 StopQuestion FindStopQuestion(const Inspection& inspection, std::span<const RowGroups> groups,
                               bool has_map) {
-  for (const StopRule& rule : kRules) {
+  for (const StopRule& rule : kStopRules) {
     if (has_map && !rule.with_map) continue;
     if (std::string sentence = rule.ask(inspection, groups); !sentence.empty()) {
       return {.sentence = std::move(sentence), .remedy = rule.remedy};
