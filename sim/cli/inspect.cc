@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "controller/number.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
 #include "sim/base/shell_word.h"
@@ -35,8 +34,7 @@ struct InspectOptions {
   std::string map;
   std::string scenario;
   std::string plot;
-  std::string columns;
-  InspectionOptions inspection;
+  RecordingArguments recording;
   bool verbose = false;
   bool force = false;
   bool json = false;
@@ -49,22 +47,8 @@ struct InspectOptions {
         Option("--write-scenario", &scenario, {.value = "FILE.yaml", .offer = Offer::kFiles},
                "write a scenario that plays the recording, or moves the hand, with a few filters"),
         Option("--plot", &plot, {.value = "FILE.png", .offer = Offer::kFiles}, "draw its sensors"),
-        Option("--rate", &inspection.rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
-               "rows per second of a file without a time [50]"),
-        ArrayOptions(inspection.array),
-        Option("--unit", &inspection.joints.unit,
-               {.choices = {"deg", "rad", "counts", "share", "percent", "volts"}},
-               "unit of the sensors [by the file]"),
-        Option("--time-unit", &inspection.time_unit, {.choices = {"s", "ms", "us", "ns"}},
-               "unit of the time [by the file]"),
-        Option("--preset", &inspection.joints.preset, {.value = "NAME"},
-               "profile of the device that wrote the file, as cyberglove22: gauntlet list "
-               "profiles; or a column map with numbers of sensors [by the file]"),
-        Option("--columns", &columns, {.value = "FIRST-LAST"},
-               "the columns of the sensors, as 3-25 [found]"),
-        Option("--hand", &inspection.joints.hand, {.choices = {"left", "right"}},
-               "the hand to take from a file with both"),
-        Option("--map", &inspection.map, {.value = "MAP.csv", .offer = Offer::kFiles},
+        recording.Rows(),
+        Option("--map", &recording.inspection.map, {.value = "MAP.csv", .offer = Offer::kFiles},
                "a filled-in column map: its joints count, and the scenario uses it"),
         ForceOption(force),
         Option("--verbose", &verbose, {}, "print reasons and more statistics"),
@@ -227,21 +211,6 @@ void CheckTargets(const std::string& map, const InspectOptions& options) {
   for (const std::string& target : {map, options.scenario}) RefuseEdited(target);
 }
 
-/// First and last column of `FIRST-LAST`.
-std::pair<std::size_t, std::size_t> ColumnRange(const std::string& text) {
-  const std::size_t dash = text.find('-');
-  constexpr std::size_t kMost = 1000000;
-  const auto first = controller::ParseWholeNumber(text.substr(0, dash), 1, kMost);
-  const auto last = controller::ParseWholeNumber(
-      text.substr(dash == std::string::npos ? text.size() : dash + 1), 1, kMost);
-  if (!first || !last || *last < *first) {
-    throw UserError(
-        {.place = "--columns",
-         .problem = fmt::format("'{}' must be FIRST-LAST, as 3-25", OneLine(text, 30))});
-  }
-  return {*first, *last};
-}
-
 /// The command that compares filters on the recording; with assumed joints behind a check of them.
 std::string NextCommand(const Inspection& inspection, const std::string& given_map,
                         const std::string& written_map) {
@@ -265,12 +234,11 @@ void RunInspect(const InspectOptions& options) {
     return;
   }
   std::string map = options.map;
-  const std::string& given_map = options.inspection.map;
+  const InspectionOptions asked = options.recording.Asked();
+  const std::string& given_map = asked.map;
   if (map.empty() && given_map.empty() && !options.scenario.empty()) {
     map = fs::path(options.scenario).replace_extension(".map.csv").string();
   }
-  InspectionOptions asked = options.inspection;
-  if (!options.columns.empty()) asked.columns = ColumnRange(options.columns);
   const Inspection inspection = Inspect(options.file, asked);
   CheckTargets(map, options);
   if (options.json) {
@@ -284,7 +252,7 @@ void RunInspect(const InspectOptions& options) {
   }
   CheckQuestion(inspection, map);
   if (options.scenario.empty() && !options.json) {
-    Print("\nNext: {}\n", NextCommand(inspection, options.inspection.map, map));
+    Print("\nNext: {}\n", NextCommand(inspection, given_map, map));
   }
   if (!options.scenario.empty()) {
     WriteStarter(options.scenario,

@@ -8,10 +8,12 @@
 #include <string_view>
 #include <system_error>
 
+#include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
 #include "sim/base/shell_word.h"
+#include "sim/base/text.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/recordings/inspect/starter_files.h"
 #include "sim/tables/csv_reader.h"
@@ -34,7 +36,61 @@ bool AnswersByMap(const Inspection& inspection) {
   return inspection.remedy == Remedy::kMap || inspection.remedy == Remedy::kPresetOrMap;
 }
 
+/// First and last column of `FIRST-LAST`.
+std::pair<std::size_t, std::size_t> ColumnRange(const std::string& text) {
+  const std::size_t dash = text.find('-');
+  constexpr std::size_t kMost = 1000000;
+  const auto first = controller::ParseWholeNumber(text.substr(0, dash), 1, kMost);
+  const auto last = controller::ParseWholeNumber(
+      text.substr(dash == std::string::npos ? text.size() : dash + 1), 1, kMost);
+  if (!first || !last || *last < *first) {
+    throw UserError(
+        {.place = "--columns",
+         .problem = fmt::format("'{}' must be FIRST-LAST, as 3-25", OneLine(text, 30))});
+  }
+  return {*first, *last};
+}
+
 }  // namespace
+
+Options RecordingArguments::Rows() {
+  return {
+      Option("--rate", &inspection.rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
+             "rows per second of a file without a time [50]"),
+      ArrayOptions(inspection.array),
+      Option("--unit", &inspection.joints.unit,
+             {.choices = {"deg", "rad", "counts", "share", "percent", "volts"}},
+             "unit of the sensors [by the file]"),
+      Option("--time-unit", &inspection.time_unit, {.choices = {"s", "ms", "us", "ns"}},
+             "unit of the time [by the file]"),
+      Option("--preset", &inspection.joints.preset, {.value = "NAME"},
+             "profile of the device that wrote the file, as cyberglove22: gauntlet list profiles; "
+             "or a column map with numbers of sensors [by the file]"),
+      Option("--columns", &columns, {.value = "FIRST-LAST"},
+             "the columns of the sensors, as 3-25 [found]"),
+      Option("--hand", &inspection.joints.hand, {.choices = {"left", "right"}},
+             "the hand to take from a file with both"),
+  };
+}
+
+InspectionOptions RecordingArguments::Asked() const {
+  InspectionOptions asked = inspection;
+  if (!columns.empty()) asked.columns = ColumnRange(columns);
+  return asked;
+}
+
+std::string RecordingArguments::Given() const {
+  const JointOptions& joints = inspection.joints;
+  const std::pair<std::string_view, const std::string&> texts[] = {
+      {"--map", inspection.map},   {"--topic", inspection.array},
+      {"--unit", joints.unit},     {"--time-unit", inspection.time_unit},
+      {"--preset", joints.preset}, {"--columns", columns},
+      {"--hand", joints.hand}};
+  for (const auto& [option, value] : texts) {
+    if (!value.empty()) return fmt::format("{} {}", option, OneLine(value, 60));
+  }
+  return inspection.rate_hz > 0.0 ? fmt::format("--rate {:g}", inspection.rate_hz) : "";
+}
 
 bool IsRecordingFile(const fs::path& file) {
   std::error_code missing;
@@ -91,11 +147,9 @@ void CheckQuestion(const Inspection& inspection, const std::string& map) {
   throw UserError({.place = inspection.file, .problem = inspection.question + way});
 }
 
-std::string ScenarioOfRecording(const fs::path& recording, const std::string& map,
-                                const std::string& array, const fs::path& folder) {
-  InspectionOptions options;
-  options.array = array;
-  options.map = map;
+std::string ScenarioOfRecording(const fs::path& recording, const InspectionOptions& options,
+                                const fs::path& folder) {
+  const std::string& map = options.map;
   const Inspection inspection = Inspect(recording, options);
   const fs::path scenario = folder / recording.stem().concat(".yaml");
   const fs::path starter = folder / recording.stem().concat(".map.csv");
@@ -108,8 +162,12 @@ std::string ScenarioOfRecording(const fs::path& recording, const std::string& ma
         {.place = recording.string(),
          .problem = fmt::format(
              "{}; gauntlet inspect {}{} --write-map MAP.csv, check MAP.csv, then --map MAP.csv",
-             inspection.question.empty() ? "its joints are assumed by their order"
-                                         : inspection.question,
+             !inspection.question.empty() ? inspection.question
+             : inspection.profile.empty()
+                 ? std::string("its joints are assumed by their names")
+                 : fmt::format(
+                       "its joints are assumed to be those of {0}; --preset {0} if they are",
+                       inspection.profile),
              ShellPath(recording), PartOption(inspection))});
   }
   CheckQuestion(inspection, map);

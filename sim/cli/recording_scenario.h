@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "sim/cli/shared_options.h"
 #include "sim/recordings/inspect/inspection.h"
 
 namespace gauntlet::sim {
@@ -20,11 +21,23 @@ void WriteStarter(const std::string& target, const std::string& text, bool force
 /// that was written; empty: none.
 void CheckQuestion(const Inspection& inspection, const std::string& map);
 
+/// Options of commands that read a recording: what a person knows and the file does not say.
+struct RecordingArguments {
+  InspectionOptions inspection;
+  std::string columns;  // FIRST-LAST; empty: found
+
+  Options Rows();
+  /// Errors: UserError for columns that are no range.
+  InspectionOptions Asked() const;
+  /// The first option that is given, with its value; empty: none.
+  std::string Given() const;
+};
+
 /// Writes the starter scenario of a recording into the folder, as `gauntlet inspect
-/// --write-scenario` does, and returns its name. `map` is a filled-in column map, `array` an array
-/// or a topic; empty: none. Errors: UserError for an open question, and without a map for assumed
-/// joints.
-std::string ScenarioOfRecording(const std::filesystem::path& recording, const std::string& map,
-                                const std::string& array, const std::filesystem::path& folder);
+/// --write-scenario` does, and returns its name. Errors: UserError for an open question, and
+/// without a map for assumed joints.
+std::string ScenarioOfRecording(const std::filesystem::path& recording,
+                                const InspectionOptions& options,
+                                const std::filesystem::path& folder);
 
 }  // namespace gauntlet::sim

@@ -120,14 +120,11 @@ void RunStudyCommand(const StudyCommand& asked) {
   if (IsRecordingFile(asked.scenario_file)) {
     const std::filesystem::path recording = asked.scenario_file;
     const std::string folder = asked.out.empty() ? "out/" + recording.stem().string() : asked.out;
-    options.scenario_file = ScenarioOfRecording(recording, asked.map, asked.array, folder);
-  } else if (!asked.array.empty()) {
-    throw UserError({.place = "--topic " + Shown(asked.array),
-                     .problem = "needs a recording, not a scenario, which has it as "
-                                "glove.motion.array"});
-  } else if (!asked.map.empty()) {
-    throw UserError({.place = "--map " + asked.map,
-                     .problem = "needs a recording, not a scenario, which names its own map"});
+    options.scenario_file = ScenarioOfRecording(recording, asked.recording.Asked(), folder);
+  } else if (const std::string given = asked.recording.Given(); !given.empty()) {
+    throw UserError({.place = given,
+                     .problem = "needs a recording, not a scenario, which has it under "
+                                "glove.motion"});
   }
   const ScenarioSource source{.file = options.scenario_file,
                               .text = ReadYamlText(options.scenario_file),

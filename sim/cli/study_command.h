@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/cli/recording_scenario.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/terminal_option.h"
 #include "sim/hand/hand_model.h"
@@ -16,9 +17,8 @@ namespace gauntlet::sim {
 /// Common part of `run` and `compare`: options, and the way from a scenario to an output folder.
 struct StudyCommand {
   std::string scenario_file;
-  std::string map;    // column map of a recording in place of a scenario
-  std::string array;  // and its array or topic
-  std::string out;    // empty: out/<scenario>
+  RecordingArguments recording;  // of a recording in place of a scenario
+  std::string out;               // empty: out/<scenario>
   std::vector<std::string> overrides;
   std::vector<std::string> controllers;  // empty: all of the scenario
   int seeds = 1;                         // 0: of a comparison, 8 or one for each repetition
@@ -60,10 +60,10 @@ struct StudyCommand {
             "each controller and seed; auto: as much of the first seed as takes a quarter of "
             "the time"),
         terminal.Rows(),
-        Option("--map", &map, {.value = "MAP.csv", .offer = Offer::kFiles},
+        Option("--map", &recording.inspection.map, {.value = "MAP.csv", .offer = Offer::kFiles},
                "column map, with a recording in place of the scenario; its scenario is written as "
                "gauntlet inspect does"),
-        ArrayOptions(array),
+        recording.Rows(),
     };
   }
 };

@@ -137,11 +137,8 @@ void ChooseByMap(const JointEvidence& evidence, const ColumnMap& map, JointBasis
     const ColumnEvidence& is = evidence.columns[column];
     if (is.is_text || is.statistics.good_rows == 0) continue;
     const Channel& joint = KnownChannels()[mappings.front().channel];
-    const bool is_assumed = mappings.front().assumed.find("joint") != std::string::npos;
     choice.columns.push_back(column);
-    choice.joints.push_back(
-        {std::string(joint.name),
-         is_assumed && basis == JointBasis::kProfile ? JointBasis::kAssumed : basis, why});
+    choice.joints.push_back({std::string(joint.name), basis, why});
     choice.mappings.push_back(mappings);
     choice.unit = UnitOf(mappings.front());
     choice.high = std::max(choice.high, is.statistics.usual_high);

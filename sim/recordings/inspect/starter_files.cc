@@ -92,8 +92,11 @@ std::string AssumedOf(const Inspection& inspection, const InspectedColumn& colum
   const auto add = [&words](bool is_assumed, const char* word) {
     if (is_assumed) words += (words.empty() ? "" : " ") + std::string(word);
   };
-  add(column.basis == JointBasis::kAssumed && !column.channel.empty(), "joint");
   const bool is_mapped = !column.mappings.empty();
+  const bool is_joint_assumed =
+      column.basis == JointBasis::kAssumed ||
+      (is_mapped && column.mappings.front().assumed.find("joint") != std::string::npos);
+  add(is_joint_assumed && !column.channel.empty(), "joint");
   const bool is_range =
       is_mapped ? TakesRangeOfFile(column.mappings.front()) : NeedsTwoPoints(inspection.unit);
   if (is_mapped) {
