@@ -13,7 +13,7 @@
 namespace gauntlet::sim {
 namespace {
 
-/// Key of what the answer rests on, which stands before it.
+/// Key of what the answer rests on, which stands behind its reasons.
 constexpr std::string_view kAssumed = "assumed";
 
 Json JsonOfRemarks(const std::vector<VerdictRemark>& remarks) {
@@ -57,10 +57,10 @@ void Verdict::AddWithoutHand() {
 
 std::vector<std::string> Verdict::Answer() const {
   std::vector<std::string> sentences;
+  for (const VerdictRemark& reason : reasons) sentences.push_back(reason.text);
   for (const VerdictRemark& warning : warnings) {
     if (warning.key == kAssumed) sentences.push_back(warning.text);
   }
-  for (const VerdictRemark& reason : reasons) sentences.push_back(reason.text);
   return sentences;
 }
 

@@ -30,7 +30,7 @@ struct Verdict {
                     const std::string& cure = "More seeds can decide it.");
   void AddWithoutHand();
 
-  /// Assumptions, then the reasons, a sentence or two each.
+  /// The reasons, then assumptions, a sentence or two each.
   std::vector<std::string> Answer() const;
   /// The other warnings.
   std::vector<std::string> Doubts() const;

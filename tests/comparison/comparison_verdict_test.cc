@@ -286,11 +286,13 @@ TEST(ComparisonVerdict, OfOneControllerGivesItsScores) {
             "raw: tracking error 6.40 deg RMS, delay 104 ms and jitter 0.280 deg RMS.");
 }
 
-TEST(ComparisonVerdict, BeginsWithWhatIsAssumed) {
+TEST(ComparisonVerdict, SaysWhatIsAssumedBehindTheAnswer) {
   Summary summary = Of(kDoor);
   summary.assumed = {"a.csv: assumed: joint of index_pip."};
   const Verdict verdict = AnswerOf(summary).verdict;
-  EXPECT_THAT(verdict.Text(), testing::StartsWith("a.csv: assumed: joint of index_pip. Use "));
+  EXPECT_THAT(verdict.Text(), testing::StartsWith("Use "));
+  ASSERT_FALSE(verdict.Answer().empty());
+  EXPECT_EQ(verdict.Answer().back(), "a.csv: assumed: joint of index_pip.");
   EXPECT_EQ(JsonOf(verdict)["warnings"][0]["key"], "assumed");
 }
 

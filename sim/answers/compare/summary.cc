@@ -178,7 +178,11 @@ Summary Summarise(const Study& study, const StudyResult& result, RecordingBlocks
   summary.blocks = std::move(blocks);
   summary.priority = ParsePriority(study.scenario.priority);
   for (const std::string& remark : study.remarks) {
-    if (remark.find(kAssumed) != std::string::npos) summary.assumed.push_back(remark + ".");
+    const std::size_t place = remark.find(kAssumed);
+    if (place == std::string::npos) continue;
+    // The name of the file, not its folders.
+    const std::string name = std::filesystem::path(remark.substr(0, place)).filename().string();
+    summary.assumed.push_back(name + remark.substr(place) + ".");
   }
   summary.causes = result.causes;
   for (std::size_t m = 0; m < Metrics().size(); ++m) {
