@@ -78,8 +78,10 @@ std::string ChannelText(const ColumnMapping& mapping) {
 /// The text table of a map.
 class MapFile {
  public:
-  MapFile(const std::string& place, CsvReader::Source text)
-      : csv_(place, std::move(text), ProblemHandling::kStrict) {
+  /// `is_profile`: its names of columns are those of a device, see IsSameName(). A map of a person
+  /// names columns exactly: `index_mcp` is not `index_mcp_rad`, which is in another unit.
+  MapFile(const std::string& place, CsvReader::Source text, bool is_profile)
+      : csv_(place, std::move(text), ProblemHandling::kStrict), is_profile_(is_profile) {
     const std::vector<std::string>& header = csv_.header();
     for (std::size_t i = 0; i < header.size(); ++i) {
       if (std::ranges::find(kKeys, header[i]) == kKeys.end()) {
@@ -92,6 +94,7 @@ class MapFile {
   }
 
   bool NextRow() { return csv_.NextRow(cells_); }
+  bool is_profile() const { return is_profile_; }
 
   std::string Text(std::string_view key, std::string_view fallback) const {
     const std::size_t place = Find(key);
@@ -117,6 +120,7 @@ class MapFile {
   }
 
   CsvReader csv_;
+  bool is_profile_ = false;
   std::vector<std::string> cells_;
 };
 
@@ -126,9 +130,9 @@ MapFile OpenMap(const std::filesystem::path& map) {
   const bool is_name = !map.has_extension() && !std::filesystem::exists(map, unreadable);
   const std::filesystem::path profile =
       is_name ? FileOfProfile(map.filename().string()) : std::filesystem::path();
-  if (!profile.empty()) return {profile.string(), TextSource(ReadProfile(profile).map)};
-  if (map.extension() == ".yaml") return {map.string(), TextSource(ReadProfile(map).map)};
-  return {map.string(), FileSource(map)};
+  if (!profile.empty()) return {profile.string(), TextSource(ReadProfile(profile).map), true};
+  if (map.extension() == ".yaml") return {map.string(), TextSource(ReadProfile(map).map), true};
+  return {map.string(), FileSource(map), false};
 }
 
 void AddTime(const MapFile& file, std::size_t column, std::vector<TimeMapping>& time) {
@@ -300,8 +304,8 @@ std::optional<std::size_t> ColumnOf(const MapFile& map, const RecordingColumns& 
   const auto& header = recording.header;
   auto found = std::ranges::find(header, name);
   if (!name.empty() && found != header.end()) return found - header.begin();
-  const auto is_same = [&name](const std::string& other) {
-    return !BareName(name).empty() && IsSameName(name, other);
+  const auto is_same = [&](const std::string& other) {
+    return map.is_profile() && !BareName(name).empty() && IsSameName(name, other);
   };
   found = std::ranges::find_if(header, is_same);
   if (std::ranges::count_if(header, is_same) == 1) return found - header.begin();
@@ -420,7 +424,7 @@ ColumnMap ReadColumnMap(const std::filesystem::path& path, const RecordingColumn
 }
 
 ColumnMap MapOfProfile(const Profile& profile, const RecordingColumns& recording) {
-  return ReadMap(MapFile(profile.name, TextSource(profile.map)), recording,
+  return ReadMap(MapFile(profile.name, TextSource(profile.map), true), recording,
                  MissingColumns::kLeaveOut);
 }
 

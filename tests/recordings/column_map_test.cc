@@ -185,6 +185,11 @@ TEST_F(ColumnMaps, SayWhatIsWrongInOneLine) {
               HasSubstr("must be one of: s, ms, us, ns, ticks, min, h, day, date"));
 }
 
+TEST_F(ColumnMaps, OfAPersonNameColumnsExactly) {
+  EXPECT_THAT(ErrorOf("index_mcp_rad\n0.5\n0.6\n", "column,channel\nindex_mcp,index_mcp\n"),
+              HasSubstr("has no column"));
+}
+
 TEST_F(ColumnMaps, OfProfilesWithoutNamesFitAGloveOfTheirSensors) {
   int presets = 0;
   for (const auto& file : std::filesystem::directory_iterator(SourceDir() + "/scenarios/maps")) {
