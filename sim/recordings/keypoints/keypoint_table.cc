@@ -15,6 +15,7 @@
 #include "sim/recordings/keypoints/hand_rotations.h"
 #include "sim/tables/missing.h"
 #include "sim/tables/source_bytes.h"
+#include "sim/tables/table_layout.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
@@ -246,6 +247,8 @@ TableInput AnglesOfKeypoints(const std::string& name, TableInput input) {
     KeypointLayout layout = FindKeypoints(names, quaternions);
     if (layout.has_several) throw UserError({.place = name, .problem = layout.problem});
     if (layout.hands.empty()) break;
+    // Rows of one and of two hands are a question, before the rows of one width are dropped.
+    if (!table) FindTable(name, TextSource(head), ProblemHandling::kRepair);
     if (!table && BeginsWithoutHands(name, head, layout.hands)) continue;
     if (!table) {
       text = head + BytesOf(*source);
