@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/recordings/keypoints/hand_rotations.h"
 #include "sim/tables/missing.h"
