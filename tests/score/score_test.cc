@@ -377,7 +377,7 @@ TEST(Scores, OfSwitchedCausesAreOfTheirTicks) {
   EXPECT_NEAR(value("tracking_rmse_deg"), std::sqrt((16.0 + 49.0) / 2.0), 1e-9);
 }
 
-/// Of the fingers' jitter in the time of the trial with the arm at rest, and not of all of it.
+/// The share is of the fingers' jitter in the time of the trial with the arm at rest, not of all.
 TEST(Scores, ShareOfTheArmIsOfTheTimeOfItsTrial) {
   FullExample example;
   const Eigen::Index half = FullExample::kSamples / 2;
