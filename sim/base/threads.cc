@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "sim/base/error.h"
+
 namespace gauntlet::sim {
 
 int JobsOrCores(int jobs) {
@@ -17,12 +19,20 @@ int JobsOrCores(int jobs) {
 void RunOnThreads(std::size_t count, const std::function<void()>& work, const FewerThreads& fewer) {
   std::mutex mutex;
   std::exception_ptr error;
+  bool is_cancelled = false;
   const auto run = [&] {
     try {
       work();
+    } catch (const Cancelled&) {
+      const std::lock_guard lock(mutex);
+      if (!error) {
+        error = std::current_exception();
+        is_cancelled = true;
+      }
     } catch (...) {
       const std::lock_guard lock(mutex);
-      if (!error) error = std::current_exception();
+      if (!error || is_cancelled) error = std::current_exception();
+      is_cancelled = false;
     }
   };
   std::vector<std::jthread> others;

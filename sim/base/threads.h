@@ -14,7 +14,8 @@ using FewerThreads = std::function<void(std::size_t started, const std::string& 
 
 /// Runs `work` on `count` threads, the caller's included, and returns when all have ended. `work`
 /// takes tasks until there are none, so fewer threads do the same work. The first exception of
-/// `work` is thrown again after all threads have ended.
+/// `work` is thrown again after all threads have ended; Cancelled only if there is no other: the
+/// threads that a failure stops may be faster than the one that fails.
 void RunOnThreads(std::size_t count, const std::function<void()>& work,
                   const FewerThreads& fewer = {});
 

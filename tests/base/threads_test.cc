@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <vector>
+
+#include "sim/base/error.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -38,6 +42,31 @@ TEST(Threads, ThrowAgainWhatATaskThrewAndBeginNoMore) {
       EXPECT_EQ(begun, 4);
     }
   }
+}
+
+/// A failure stops the other threads, and one of them may end before the failure is thrown.
+TEST(Threads, ThrowWhatFailedAndNotThatTheOthersWereStopped) {
+  for (const bool is_failure_first : {false, true}) {
+    std::atomic<int> calls{0};
+    std::atomic<bool> has_first_thrown{false};
+    const auto work = [&] {
+      const bool is_first = calls++ == 0;
+      struct Ends {
+        std::atomic<bool>* ended;
+        ~Ends() {
+          if (ended) *ended = true;
+        }
+      } const ends{is_first ? &has_first_thrown : nullptr};
+      if (!is_first) {
+        while (!has_first_thrown) std::this_thread::yield();
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));  // until it is kept
+      }
+      if (is_first == is_failure_first) throw RunError("the reason");
+      throw Cancelled{};
+    };
+    EXPECT_THROW(RunOnThreads(2, work), RunError) << is_failure_first;
+  }
+  EXPECT_THROW(RunOnThreads(2, [] { throw Cancelled{}; }), Cancelled);
 }
 
 }  // namespace
