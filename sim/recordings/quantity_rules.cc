@@ -51,6 +51,10 @@ bool SlidesByName(const Facts& facts) {
          HasWordOf(facts.words,
                    "gripper grip jaw jaws prismatic slide slider rail linear lift finger");
 }
+/// The action of a glove or leader that LeRobot records names joints.
+bool IsCommand(const FamilyFacts& facts) {
+  return !facts.names_fingers || !HasWordOf(facts.words, "action actions");
+}
 bool IsBeyondCounts(const Facts& facts) { return facts.reach >= kBeyondCounts; }
 bool StandsAlone(const Facts& facts) {
   return !facts.names_fingers && facts.moving == 0 && facts.columns == 1;
@@ -155,15 +159,15 @@ constexpr QuantityRule kRules[] = {
     {"temperature", kTemperature, Unit::kUnknown, false,
      "temp temperature celsius battery bat vbat", Any, "a temperature or the battery, by its name",
      "logs of microcontrollers"},
-    {"muscle", kMuscle, Unit::kUnknown, false, "emg semg muscle myo", Any,
-     "a muscle's signal, by its name", "emg of Ninapro"},
+    {"muscle", kMuscle, Unit::kUnknown, false, "emg semg exg muscle myo uv", Any,
+     "a muscle's signal, by its name", "emg of Ninapro; EXG channels of OpenBCI"},
     {"quality", kQuality, Unit::kUnknown, false,
      "confidence conf probability prob score quality valid validity status flag error err std var "
      "variance weight tracked",
      Any, "a confidence or state, by its name", "confidence of hand trackers"},
     {"command", kCommand, Unit::kUnknown, false,
      "command commands commanded cmd target targets goal desired setpoint action actions pwm duty",
-     Any, "a command, by its name", "action of LeRobot, goal_position of Dynamixel"},
+     IsCommand, "a command, by its name", "action of LeRobot, goal_position of Dynamixel"},
     {"distance", kPosition, Unit::kUnknown, false,
      "distance dist length mm cm metre metres meter meters aperture height width", Any,
      "a distance, by its name", "apertures of motion capture"},

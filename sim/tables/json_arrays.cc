@@ -155,11 +155,31 @@ class RowCollector {
   std::map<std::string, std::vector<double>> columns_;
 };
 
+/// True for a list of objects that each have a list of rows, longer than the list itself: persons
+/// with frames, say.
+bool AreTables(const Json& list) {
+  constexpr std::size_t kFewestRows = 10;
+  const std::size_t fewest = std::max(kFewestRows, 2 * list.size());
+  return !list.empty() && std::ranges::all_of(list, [&](const Json& item) {
+    return item.is_object() && std::ranges::any_of(item, [&](const Json& part) {
+             return part.is_array() && part.size() >= fewest && part.front().is_structured();
+           });
+  });
+}
+
 void Collect(const std::string& path, const Json& value, int depth,
              std::vector<NamedArray>& arrays) {
   if (depth > kDeepest) throw UserError("is nested too deeply");
   if (value.is_object()) {
     for (const auto& [key, part] : value.items()) Collect(Join(path, key), part, depth + 1, arrays);
+  } else if (value.is_array() && AreTables(value)) {
+    const std::vector<std::string> hands = HandsOf(value, nullptr);
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      const std::string name = !hands.empty()      ? hands[i]
+                               : value.size() == 1 ? ""
+                                                   : std::to_string(i + 1);
+      Collect(name.empty() ? path : Join(path, name), value[i], depth + 1, arrays);
+    }
   } else if (value.is_array()) {
     RowCollector rows;
     for (const Json& row : value) rows.AddRow(row);

@@ -51,9 +51,9 @@ std::vector<std::string> WordsOf(std::string_view name) {
     if (std::isdigit(byte) != 0) kind = Kind::kDigit;
     const bool next_is_lower =
         i + 1 < name.size() && std::islower(static_cast<unsigned char>(name[i + 1])) != 0;
-    // mA and mV are units.
+    // mA, mV and uV are units.
     const bool is_unit =
-        before == Kind::kLower && kind == Kind::kUpper && words.back() == "m" &&
+        before == Kind::kLower && kind == Kind::kUpper && IsWordOf("m u", words.back()) &&
         (i + 1 == name.size() || std::isalnum(static_cast<unsigned char>(name[i + 1])) == 0);
     const bool begins =
         kind != before && !(before == Kind::kUpper && kind == Kind::kLower) && !is_unit;

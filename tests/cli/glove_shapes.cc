@@ -872,6 +872,58 @@ void AddParts(Shapes& shapes) {
   shapes.back().rate_hz = 240;
 }
 
+/// Tables that are no angles of joints yet, and that a question leads on.
+void AddLedOn(Shapes& shapes) {
+  const auto time = [](int row) { return fmt::format("{:.2f},", 0.01 * row); };
+  const auto ask = [&](const char* name, std::string text, const char* question) {
+    shapes.push_back({name, std::move(text)});
+    shapes.back().question = question;
+  };
+  const auto from_straight_deg = [](int row, int sensor) { return 180.0 - AngleDeg(row, sensor); };
+  ask("straight_180", TwoJoints("time,index_mcp,index_pip\n", time, from_straight_deg),
+      "angles between bones, 180 deg where straight, are as in the map");
+  ask("straight_pi",
+      TwoJoints("time,index_mcp_rad,index_pip_rad\n", time,
+                [&](int row, int sensor) { return from_straight_deg(row, sensor) * kPi / 180.0; }),
+      "angles between bones, 180 deg where straight, are as in the map");
+  const auto percent = [](int row, int sensor) { return 2.0 + 96.0 * Shares(sensor)(row); };
+  ask("action_percent",
+      TwoJoints("timestamp,action.thumb_mcp.pos,action.thumb_ip.pos\n", time, percent),
+      "--unit percent if they are");
+  shapes.push_back(
+      {"action_glove",
+       TwoJoints("timestamp,action.index_mcp.pos,action.index_pip.pos\n", time, AngleDeg),
+       100,
+       "deg",
+       {{"action.index_mcp.pos", "index_mcp"}, {"action.index_pip.pos", "index_pip"}}});
+  const auto muscle = [](int row, int sensor) { return 40.0 * Noise(row, sensor) - 2.0; };
+  ask("muscles_exg", TwoJoints("time,EXG Channel 0,EXG Channel 1\n", time, muscle),
+      "activities of muscles; the joint that each is to move is unknown");
+  ask("muscles_uv", TwoJoints("time,left_1_uV,left_2_uV\n", time, muscle),
+      "activities of muscles; the joint that each is to move is unknown");
+  ask("muscles_nameless", TwoJoints("time,ch1,ch2\n", time, muscle),
+      "if they are activities of muscles, the joint");
+  Table window;
+  for (int sensor = 1; sensor <= 5; ++sensor) {
+    for (int k = 0; k < 20; ++k) {
+      window.Add(fmt::format("flex{}_{}", sensor, k),
+                 [=](int row) { return Counts(sensor, 1023)(20 * row + k); });
+    }
+  }
+  ask("window_a_row", window.Text(), "if a row is a window of samples, write one sample a row");
+  std::string persons = R"({"persons": [{"name": "a", "frames": [)";
+  for (int row = 0; row < kRows; ++row) {
+    persons += fmt::format(R"({}{{"time": {:.2f}, "index_mcp": {:.3f}, "index_pip": {:.3f}}})",
+                           row > 0 ? ", " : "", 0.01 * row, AngleDeg(row, 1), AngleDeg(row, 2));
+  }
+  shapes.push_back(
+      {"json_persons",
+       persons + "]}]}",
+       100,
+       "deg",
+       {{"persons_frames_index_mcp", "index_mcp"}, {"persons_frames_index_pip", "index_pip"}}});
+}
+
 }  // namespace
 
 std::vector<GloveShape> GloveShapes() {
@@ -891,6 +943,7 @@ std::vector<GloveShape> GloveShapes() {
   AddParts(shapes);
   AddRising(shapes);
   AddClocks(shapes);
+  AddLedOn(shapes);
   return shapes;
 }
 

@@ -1,4 +1,4 @@
-// Recordings in 78 shapes through whole commands: each is right, or asks. The table of answers is
+// Recordings in many shapes through whole commands: each is right, or asks. The table of answers is
 // printed; a wrong one that is not called assumed beside its result fails.
 #include "tests/cli/glove_shapes.h"
 
@@ -10,6 +10,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -117,7 +118,7 @@ Judged Judge(const GloveShape& shape) {
 TEST(GloveShapes, AreRightOrAsk) {
   std::map<Answer, int> answers;
   const auto shapes = GloveShapes();
-  ASSERT_EQ(shapes.size(), 114U);
+  ASSERT_EQ(shapes.size(), 123U);
   int answerable = 0, asked_in_vain = 0;
   for (const GloveShape& shape : shapes) {
     const Judged judged = Judge(shape);
@@ -133,6 +134,72 @@ TEST(GloveShapes, AreRightOrAsk) {
              answers[Answer::kAssumed], answers[Answer::kAsks], answers[Answer::kWrong]);
   EXPECT_GE(answers[Answer::kRight] + answers[Answer::kAssumed], 36);
   EXPECT_EQ(asked_in_vain, 0) << "of " << answerable;
+}
+
+/// Options that a question names, with their values; HZ is 100.
+std::vector<std::vector<std::string>> RecipesIn(const std::string& line) {
+  std::vector<std::vector<std::string>> recipes;
+  const std::regex recipe("--(unit|time-unit|hand|preset|rate) ([a-zA-Z0-9_]+)");
+  for (std::sregex_iterator found(line.begin(), line.end(), recipe), end; found != end; ++found) {
+    if ((*found)[2] == "NAME") continue;
+    recipes.push_back({"--" + (*found)[1].str(), (*found)[2] == "HZ" ? "100" : (*found)[2].str()});
+  }
+  return recipes;
+}
+
+/// The map with a channel of its own in place of each `ignore`, as long as there are channels.
+void FillIn(const fs::path& map) {
+  std::vector<std::string> channels = {"thumb_ip",   "index_pip",  "middle_pip", "ring_pip",
+                                       "little_pip", "index_mcp",  "middle_mcp", "ring_mcp",
+                                       "little_mcp", "middle_dip", "ring_dip",   "little_dip"};
+  std::ifstream before(map);
+  std::string text;
+  for (std::string line; std::getline(before, line);) {
+    const std::size_t ignored = line.find(",ignore,");
+    if (ignored != std::string::npos && !line.starts_with('#') && !channels.empty()) {
+      line.replace(ignored + 1, 6, channels.back());
+      channels.pop_back();
+    }
+    text += line + "\n";
+  }
+  std::ofstream(map) << text;
+}
+
+/// What a person is told to do answers the question: the next one, if any, is another.
+TEST(GloveShapes, LeadOnByEachRecipeOfTheirQuestions) {
+  int recipes = 0, maps = 0, answered = 0;
+  for (const GloveShape& shape : GloveShapes()) {
+    if (shape.question.empty()) continue;
+    const TemporaryDirectory folder;
+    std::ofstream(folder.path() / "glove.csv", std::ios::binary) << shape.text;
+    const auto inspect = [&](const std::vector<std::string>& options) {
+      std::vector<std::string> command = {GAUNTLET_PROGRAM, "inspect", "glove.csv"};
+      command.insert(command.end(), shape.options.begin(), shape.options.end());
+      command.insert(command.end(), options.begin(), options.end());
+      return RunProgram(command, {.working_directory = folder.path()});
+    };
+    const ProgramResult asked = inspect({"--write-map", "map.csv"});
+    ASSERT_EQ(asked.exit_code, 2) << shape.name;
+    const std::string& line = asked.standard_error;
+    std::vector<std::vector<std::string>> ways = RecipesIn(line);
+    recipes += static_cast<int>(ways.size());
+    if (line.find("fill in map.csv, then --map map.csv") != std::string::npos) {
+      FillIn(folder.path() / "map.csv");
+      ways.push_back({"--map", "map.csv"});
+      ++maps;
+    }
+    for (const std::vector<std::string>& way : ways) {
+      const ProgramResult next = inspect(way);
+      EXPECT_TRUE(next.exit_code == 0 || next.exit_code == 2) << shape.name;
+      EXPECT_EQ(next.standard_error.find(shape.question), std::string::npos)
+          << shape.name << " " << way[0] << " " << way[1] << ": " << next.standard_error;
+      answered += next.exit_code == 0 ? 1 : 0;
+    }
+  }
+  fmt::print("{} recipes and {} maps, of which {} answer all\n", recipes, maps, answered);
+  EXPECT_GE(recipes, 5);
+  EXPECT_GE(maps, 15);
+  EXPECT_GE(answered, 20);
 }
 
 }  // namespace

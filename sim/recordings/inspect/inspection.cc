@@ -447,9 +447,31 @@ void UnwrapTurns(Inspection& inspection) {
     }
     const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
     const double middle = (joint.min_deg + joint.max_deg) / 2.0;
-    column.turned_deg = kTurn_deg * std::round((middle - (low + high) / 2.0) / kTurn_deg);
+    column.added = kTurn_deg * std::round((middle - (low + high) / 2.0) / kTurn_deg);
     column.why += "; it jumps by 360: the jumps are undone";
-    for (double& value : values) value += column.turned_deg;
+    for (double& value : values) value += column.added;
+  }
+}
+
+/// True if most joints come near half a turn, beyond which no joint bends, and none goes below 0.
+bool AreBetweenBones(const Inspection& inspection) {
+  constexpr double kNearStraight_deg = 140.0;
+  constexpr double kMost_deg = 190.0;
+  if (!inspection.HasAngles() || HasMappings(inspection)) return false;
+  const std::vector<std::size_t> joints = inspection.MappedColumns();
+  const auto straight = std::ranges::count_if(joints, [&](std::size_t c) {
+    const ColumnStatistics& is = inspection.columns[c].statistics;
+    const double high_deg = inspection.DegPerUnit() * is.usual_high;
+    return is.usual_low >= 0.0 && high_deg > kNearStraight_deg && high_deg < kMost_deg;
+  });
+  return 2 * straight > std::ssize(joints);
+}
+
+/// Signs and offsets that the map offers for such angles.
+void OfferAnglesFromStraight(Inspection& inspection) {
+  for (const std::size_t c : inspection.MappedColumns()) {
+    inspection.columns[c].is_inverted = true;
+    inspection.columns[c].added = 180.0 / inspection.DegPerUnit();
   }
 }
 
@@ -490,10 +512,13 @@ void FindJoints(const TableStatistics& statistics, const std::vector<RowGroups>&
   }
   UnwrapTurns(inspection);
   GuessSign(inspection);
+  inspection.is_between_bones = AreBetweenBones(inspection);
   if (inspection.question.empty()) {
     const StopQuestion stop = FindStopQuestion(inspection, groups, map.has_value());
     inspection.question = stop.sentence;
     inspection.remedy = stop.remedy;
+    const bool has_map = inspection.remedy == Remedy::kPresetOrMap;
+    if (inspection.is_between_bones && has_map) OfferAnglesFromStraight(inspection);
   }
 }
 

@@ -35,7 +35,7 @@ struct InspectedColumn {
   std::string channel;     // empty: ignored
   JointBasis basis = JointBasis::kName;
   bool is_inverted = false;  // falls while the joint bends
-  double turned_deg = 0.0;   // added to angles that jump by 360, to be in the joint's range
+  double added = 0.0;        // to the value, in its unit, to be in the joint's range
   bool is_turning = false;   // jumps by 360
   double envelope_ms = 0.0;  // of a muscle: `statistics` are those of its Envelope; 0: its values
   std::vector<ColumnMapping> mappings = {};  // of a map or a profile; empty: by the unit
@@ -73,7 +73,8 @@ struct Inspection {
   RawUnit unit = RawUnit::kUnknown;
   bool unit_is_assumed = false;
   bool sign_is_assumed = false;
-  std::string profile = {};  // that the columns are of, by name; empty: none
+  bool is_between_bones = false;  // angles that look as if a straight joint has 180 deg
+  std::string profile = {};       // that the columns are of, by name; empty: none
   std::vector<std::string> profiles_to_ask_for = {};  // that they may be of
   double unit_high = 0.0;                             // highest usual value of the sensors
   int bits = 0;                                       // for counts

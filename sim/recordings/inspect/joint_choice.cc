@@ -62,7 +62,8 @@ bool IsCommandLog(std::span<const ColumnFamily> families) {
     if (family.facts.moving == 0) continue;
     if (HasWordOf(words, command_rule->words)) {
       has_held = true;
-      has_command = has_command || family.quantity == Quantity::kCommand;
+      has_command = has_command || family.quantity == Quantity::kCommand ||
+                    HasWordOf(words, "action actions");
       continue;
     }
     has_answer = has_answer || HasWordOf(words, kAnswers);
@@ -370,10 +371,13 @@ void ChooseByNumber(const JointEvidence& evidence, const JointOptions& options,
     }
     return;
   }
-  choice.question =
-      fmt::format("{}: {} [{}], {}", ColumnsText(family.columns),
-                  SensorsText(family.columns.size()), NameOf(choice.unit),
-                  family.facts.is_even ? "whose joints are unknown" : "of different sizes");
+  choice.question = fmt::format(
+      "{}: {} [{}], {}{}", ColumnsText(family.columns), SensorsText(family.columns.size()),
+      NameOf(choice.unit), family.facts.is_even ? "whose joints are unknown" : "of different sizes",
+      family.columns.size() > 2 * KnownChannels().size()
+          ? ", more than a hand has; if a row is a window of samples, write one sample "
+            "a row"
+          : "");
   constexpr std::size_t kMost = 4;  // more say nothing
   const auto possible = known.empty()
                             ? ProfilesWith(ProfileEvidence::kOneFact,
@@ -382,17 +386,25 @@ void ChooseByNumber(const JointEvidence& evidence, const JointOptions& options,
   if (possible.size() <= kMost) choice.profiles_to_ask_for = NamesOf(possible);
 }
 
-/// Muscles of which a person may make channels.
+/// Muscles of which a person may make channels. Signals without a name may be some.
 void ChooseMuscles(std::span<const ColumnFamily> families, JointChoice& choice) {
   const auto is_muscle = [](const ColumnFamily& family) {
     return family.quantity == Quantity::kMuscle && family.facts.moving > 0;
   };
-  const auto muscles = std::ranges::find_if(families, is_muscle);
+  auto muscles = std::ranges::find_if(families, is_muscle);
+  const bool is_named = muscles != families.end();
+  if (!is_named) muscles = std::ranges::find(families, "rough", &ColumnFamily::rule);
   if (muscles == families.end()) return;
   ChooseFamily(*muscles, choice);
-  choice.question = fmt::format("{}: {} of muscles; the joint that each is to move is unknown",
-                                ColumnsText(muscles->columns),
-                                muscles->columns.size() == 1 ? "activity" : "activities");
+  const bool is_one = muscles->columns.size() == 1;
+  choice.question =
+      is_named ? fmt::format("{}: {} of muscles; the joint that each is to move is unknown",
+                             ColumnsText(muscles->columns), is_one ? "activity" : "activities")
+               : fmt::format(
+                     "{}: from row to row {} more than a hand does; if {} of muscles, the "
+                     "joint that each is to move is unknown",
+                     ColumnsText(muscles->columns), is_one ? "it changes" : "they change",
+                     is_one ? "it is the activity" : "they are activities");
 }
 
 /// Content of a table that has no sensors of a hand.

@@ -149,7 +149,7 @@ constexpr MoreKey kMoreKeys[] = {
     {"offset",
      [](const Inspection&, const InspectedColumn& column, const ColumnMapping* mapping) {
        if (mapping != nullptr) return mapping->points ? "" : NumberUnless(mapping->offset, 0.0);
-       return column.is_turning ? fmt::format("{:g}", column.turned_deg) : std::string();
+       return column.added != 0.0 ? fmt::format("{:.9g}", column.added) : std::string();
      }},
     {"bits",
      [](const Inspection& inspection, const InspectedColumn&, const ColumnMapping* mapping) {

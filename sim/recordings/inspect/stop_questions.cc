@@ -40,6 +40,17 @@ double ShareBeyond(const Inspection& inspection, std::size_t c, double margin) {
   return all > 0.0 ? beyond / all : 0.0;
 }
 
+/// True if values whose unit the file does not say reach neither below 0 nor above 100.
+bool MayBePercent(const Inspection& inspection) {
+  constexpr double kLeast = 90.0;
+  double low = kNaN, high = kNaN;
+  for (const std::size_t c : inspection.MappedColumns()) {
+    low = std::fmin(low, inspection.columns[c].statistics.low);
+    high = std::fmax(high, inspection.columns[c].statistics.high);
+  }
+  return inspection.unit_is_assumed && low >= 0.0 && high >= kLeast && high <= 100.0;
+}
+
 /// A sentence if an angle is nearly always beyond its joint's range, or often far beyond it.
 std::string RangeQuestion(const Inspection& inspection, std::span<const RowGroups>) {
   if (!inspection.HasAngles()) return "";
@@ -52,11 +63,13 @@ std::string RangeQuestion(const Inspection& inspection, std::span<const RowGroup
     if (share < kNearlyAlways && far_share < kOften) continue;
     const Channel& joint = KnownChannels()[ChannelIndex(inspection.columns[c].channel)];
     return fmt::format(
-        "column {}: {} of {:.0f} % of the rows is outside its range, {:g} to {:g} deg; the unit "
-        "[{}] "
-        "or the joint is another",
+        "column {}: {} of {:.0f} % of the rows is outside its range, {:g} to {:g} deg; {}the unit "
+        "[{}] or the joint is another{}",
         c + 1, joint.name, 100.0 * std::max(share, far_share), joint.min_deg, joint.max_deg,
-        NameOf(inspection.unit));
+        inspection.is_between_bones ? "angles between bones, 180 deg where straight, are as in the "
+                                      "map: sign -1 and an offset; else "
+                                    : "",
+        NameOf(inspection.unit), MayBePercent(inspection) ? "; --unit percent if they are" : "");
   }
   return "";
 }
