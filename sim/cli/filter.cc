@@ -42,6 +42,7 @@ struct FilterOptions {
   std::vector<std::string> settings;
   std::vector<std::string> columns;  // to filter; empty: all but the time
   std::string map;                   // empty: columns as their names say
+  std::string time_unit;             // empty: by the name of the column
 
   Options Rows() {
     return {
@@ -56,6 +57,7 @@ struct FilterOptions {
                "column map, or the name of a preset, as a scenario's glove.motion.map: its "
                "channels are filtered, in degrees, and come out as NAME_deg; with --columns those "
                "named, as NAME"),
+        TimeUnitOption(time_unit, {"--map"}),
     };
   }
 
@@ -211,8 +213,8 @@ class FilterStream {
       StreamTable::Fail(1, table_.time_column(),
                         clock_->rows() < 2
                             ? "has one row, from which no rate follows; give --set rate_hz=HZ"
-                            : fmt::format("gives {:.5g} Hz, must be {:g} to {:g} Hz; name the "
-                                          "unit (as time_ms), or give --set rate_hz=HZ",
+                            : fmt::format("gives {:.5g} Hz, must be {:g} to {:g} Hz; "
+                                          "--time-unit ms, or --set rate_hz=HZ",
                                           rate_hz, kLowestHz, kHighestHz));
     }
     Start(rate_hz);
@@ -273,7 +275,7 @@ void RunFilter(const FilterOptions& options) {
   LiveTable table = PlainStream("standard input", StandardInput());
   TextLines lines("standard input", std::move(table.source));
   const StreamHead head = ReadHead(lines, !options.map.empty());
-  FilterStream stream(settings, StreamTable(head, options.map, options.columns));
+  FilterStream stream(settings, StreamTable(head, options.map, options.columns, options.time_unit));
   for (const TextLine& row : head.rows) stream.ReadRow(row.text, row.number);
   for (std::string_view line; lines.Next(line);) {
     if (IsRow(line)) stream.ReadRow(line, lines.number());

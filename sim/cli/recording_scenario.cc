@@ -61,8 +61,7 @@ Options RecordingArguments::Rows() {
       Option("--unit", &inspection.joints.unit,
              {.choices = {"deg", "rad", "counts", "share", "percent", "volts"}},
              "unit of the sensors [by the file]"),
-      Option("--time-unit", &inspection.time_unit, {.choices = {"s", "ms", "us", "ns"}},
-             "unit of the time [by the file]"),
+      TimeUnitOption(inspection.time_unit),
       Option("--preset", &inspection.joints.preset, {.value = "NAME"},
              "profile of the device that wrote the file, as cyberglove22: gauntlet list profiles; "
              "or a column map with numbers of sensors [by the file]"),

@@ -68,4 +68,10 @@ Options ArrayOptions(std::string& array) {
                  "topic of MCAP or of a ROS 2 bag [the only one with signals]")};
 }
 
+Option TimeUnitOption(std::string& unit, std::vector<std::string> excludes) {
+  return Option("--time-unit", &unit,
+                {.choices = {"s", "ms", "us", "ns"}, .excludes = std::move(excludes)},
+                "unit of the time [by the file]");
+}
+
 }  // namespace gauntlet::sim

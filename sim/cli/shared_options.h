@@ -30,4 +30,7 @@ Option ForceOption(bool& force);
 /// Part of a recording that a command reads: an array or a topic.
 Options ArrayOptions(std::string& array);
 
+/// --time-unit, for a column of numbers that is the time.
+Option TimeUnitOption(std::string& unit, std::vector<std::string> excludes = {});
+
 }  // namespace gauntlet::sim

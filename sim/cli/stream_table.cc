@@ -166,12 +166,12 @@ StreamHead ReadHead(TextLines& lines, bool has_map) {
 }
 
 StreamTable::StreamTable(const StreamHead& head, const std::string& map,
-                         const std::vector<std::string>& asked) {
+                         const std::vector<std::string>& asked, const std::string& time_unit) {
   separator_ = head.layout.separator;
   columns_ = head.layout.columns;
   values_.resize(columns_);
   if (map.empty()) {
-    ChooseColumns(head, asked);
+    ChooseColumns(head, asked, time_unit);
   } else {
     ApplyMap(head, map, asked);
   }
@@ -184,13 +184,23 @@ void StreamTable::AddChannel(std::size_t column, std::vector<ChannelValues::Part
 }
 
 /// `k`, the number of the sample, is no channel in the first column only.
-void StreamTable::ChooseColumns(const StreamHead& head, const std::vector<std::string>& asked) {
+void StreamTable::ChooseColumns(const StreamHead& head, const std::vector<std::string>& asked,
+                                const std::string& time_unit) {
   std::vector<std::string> names;
   for (const std::string& name : head.names) names.emplace_back(Unquoted(name));
   names.resize(columns_);
   const std::vector<bool> is_asked = AskedColumns(names, asked);
   time_ = TimeByName(head.layout);
   std::erase_if(time_, [&](const TimeMapping& time) { return is_asked[time.column]; });
+  if (!time_unit.empty()) {
+    if (time_.empty()) {
+      throw UserError(
+          {.place = "--time-unit", .problem = "standard input has no column of time"});
+    }
+    for (TimeMapping& time : time_) {
+      if (!time.is_text) time.scale_s = SecondsPer(time_unit);
+    }
+  }
   std::vector<ChannelValues::Parts> channels;
   for (std::size_t column = 0; column < columns_; ++column) {
     const std::string& name = names[column];

@@ -39,13 +39,14 @@ StreamHead ReadHead(TextLines& lines, bool has_map);
 /// ReadColumnMap) the channels are those of the map, in degrees, each in the place of the first
 /// column that it is made of and called `NAME_deg`; all other columns pass through, and a first
 /// line of numbers is a row. `asked` names the channels to filter, without a map their columns by
-/// names or numbers from 1; empty: all.
+/// names or numbers from 1; empty: all. `time_unit` is that of a column of numbers that is the
+/// time; empty: by its name.
 ///
 /// Errors: UserError `standard input:row:column: ...`, or of the map.
 class StreamTable {
  public:
   StreamTable(const StreamHead& head, const std::string& map,
-              const std::vector<std::string>& asked);
+              const std::vector<std::string>& asked, const std::string& time_unit = {});
 
   /// The line that comes out first, with its end; empty if the stream has no header.
   std::string_view header() const { return header_; }
@@ -81,7 +82,8 @@ class StreamTable {
     std::optional<std::size_t> channel = {};
   };
 
-  void ChooseColumns(const StreamHead& head, const std::vector<std::string>& asked);
+  void ChooseColumns(const StreamHead& head, const std::vector<std::string>& asked,
+                     const std::string& time_unit);
   void ApplyMap(const StreamHead& head, const std::string& map,
                 const std::vector<std::string>& asked);
   /// The channels of a map and the columns that pass through; returns the names of the channels.
