@@ -72,6 +72,13 @@ Options RecordingArguments::Rows() {
   };
 }
 
+Options RecordingArguments::RowsBesideScenario() {
+  return {Option("--map", &inspection.map, {.value = "MAP.csv", .offer = Offer::kFiles},
+                 "column map, with a recording in place of the scenario; its scenario is written "
+                 "as gauntlet inspect does"),
+          Rows()};
+}
+
 InspectionOptions RecordingArguments::Asked() const {
   InspectionOptions asked = inspection;
   if (!columns.empty()) asked.columns = ColumnRange(columns);
@@ -89,6 +96,17 @@ std::string RecordingArguments::Given() const {
     if (!value.empty()) return fmt::format("{} {}", option, OneLine(value, 60));
   }
   return inspection.rate_hz > 0.0 ? fmt::format("--rate {:g}", inspection.rate_hz) : "";
+}
+
+std::string ScenarioOrOfRecording(const std::string& given, const RecordingArguments& recording,
+                                  const fs::path& folder) {
+  if (IsRecordingFile(given)) return ScenarioOfRecording(given, recording.Asked(), folder);
+  if (const std::string option = recording.Given(); !option.empty()) {
+    throw UserError({.place = option,
+                     .problem = "needs a recording, not a scenario, which has it under "
+                                "glove.motion"});
+  }
+  return given;
 }
 
 bool IsRecordingFile(const fs::path& file) {

@@ -27,11 +27,18 @@ struct RecordingArguments {
   std::string columns;  // FIRST-LAST; empty: found
 
   Options Rows();
+  /// Those of a command that takes a scenario or a recording: --map, too.
+  Options RowsBesideScenario();
   /// Errors: UserError for columns that are no range.
   InspectionOptions Asked() const;
   /// The first option that is given, with its value; empty: none.
   std::string Given() const;
 };
+
+/// The scenario that a person gives, or that of a recording, written into the folder. Errors:
+/// UserError, also for options of recordings beside a scenario.
+std::string ScenarioOrOfRecording(const std::string& given, const RecordingArguments& recording,
+                                  const std::filesystem::path& folder);
 
 /// Writes the starter scenario of a recording into the folder, as `gauntlet inspect
 /// --write-scenario` does, and returns its name. Errors: UserError for an open question, and

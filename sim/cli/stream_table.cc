@@ -194,8 +194,7 @@ void StreamTable::ChooseColumns(const StreamHead& head, const std::vector<std::s
   std::erase_if(time_, [&](const TimeMapping& time) { return is_asked[time.column]; });
   if (!time_unit.empty()) {
     if (time_.empty()) {
-      throw UserError(
-          {.place = "--time-unit", .problem = "standard input has no column of time"});
+      throw UserError({.place = "--time-unit", .problem = "standard input has no column of time"});
     }
     for (TimeMapping& time : time_) {
       if (!time.is_text) time.scale_s = SecondsPer(time_unit);

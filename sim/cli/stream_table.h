@@ -45,8 +45,8 @@ StreamHead ReadHead(TextLines& lines, bool has_map);
 /// Errors: UserError `standard input:row:column: ...`, or of the map.
 class StreamTable {
  public:
-  StreamTable(const StreamHead& head, const std::string& map,
-              const std::vector<std::string>& asked, const std::string& time_unit = {});
+  StreamTable(const StreamHead& head, const std::string& map, const std::vector<std::string>& asked,
+              const std::string& time_unit = {});
 
   /// The line that comes out first, with its end; empty if the stream has no header.
   std::string_view header() const { return header_; }

@@ -117,15 +117,9 @@ void RunStudyCommand(const StudyCommand& asked) {
   StudyCommand options = asked;
   if (options.allow_programs) AllowPrograms();
   if (!options.priority.empty()) options.overrides.push_back(PriorityOverride(options.priority));
-  if (IsRecordingFile(asked.scenario_file)) {
-    const std::filesystem::path recording = asked.scenario_file;
-    const std::string folder = asked.out.empty() ? "out/" + recording.stem().string() : asked.out;
-    options.scenario_file = ScenarioOfRecording(recording, asked.recording.Asked(), folder);
-  } else if (const std::string given = asked.recording.Given(); !given.empty()) {
-    throw UserError({.place = given,
-                     .problem = "needs a recording, not a scenario, which has it under "
-                                "glove.motion"});
-  }
+  const std::string stem = std::filesystem::path(asked.scenario_file).stem().string();
+  options.scenario_file = ScenarioOrOfRecording(asked.scenario_file, asked.recording,
+                                                asked.out.empty() ? "out/" + stem : asked.out);
   const ScenarioSource source{.file = options.scenario_file,
                               .text = ReadYamlText(options.scenario_file),
                               .overrides = options.overrides};

@@ -60,10 +60,7 @@ struct StudyCommand {
             "each controller and seed; auto: as much of the first seed as takes a quarter of "
             "the time"),
         terminal.Rows(),
-        Option("--map", &recording.inspection.map, {.value = "MAP.csv", .offer = Offer::kFiles},
-               "column map, with a recording in place of the scenario; its scenario is written as "
-               "gauntlet inspect does"),
-        recording.Rows(),
+        recording.RowsBesideScenario(),
     };
   }
 };

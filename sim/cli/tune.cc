@@ -11,6 +11,7 @@
 #include "sim/base/threads.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/progress.h"
+#include "sim/cli/recording_scenario.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
@@ -31,6 +32,7 @@ struct TuneCommand {
   static constexpr auto kGroup = Group::kEveryday;
   TuneRequest request;
   std::string scenario;
+  RecordingArguments recording;  // of a recording in place of a scenario
   std::vector<std::string> set;
   std::string out;  // empty: out/<scenario>.tune
   int jobs = 0;
@@ -67,6 +69,7 @@ struct TuneCommand {
         Option("--json", &json, {}, "print JSON instead of the answer"),
         VerboseOption(verbose),
         terminal.Rows(),
+        recording.RowsBesideScenario(),
     };
   }
 
@@ -76,6 +79,7 @@ Examples:
     --subject-to "jitter_rms_deg<=0.2" --filter-only   # the best kind of filter
   gauntlet tune random_motion --controller tuned_kalman --minimise delay_ms \
     --free filter.q=1e-6:10:log --subject-to "jitter_rms_deg<=0.2"
+  gauntlet tune my_glove.csv --all
 )";
 };
 
@@ -156,9 +160,11 @@ void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder&
 
 void RunTuneCommand(const TuneCommand& asked) {
   if (asked.allow_programs) AllowPrograms();
+  const std::string scenario =
+      ScenarioOrOfRecording(asked.scenario, asked.recording,
+                            "out/" + std::filesystem::path(asked.scenario).stem().string());
   const TunePlan plan = PlanOf(
-      asked.request,
-      {.file = asked.scenario, .text = ReadYamlText(asked.scenario), .overrides = asked.set});
+      asked.request, {.file = scenario, .text = ReadYamlText(scenario), .overrides = asked.set});
   CheckProgramsOf(plan.scenario, {plan.controller});
   const std::string name = plan.scenario.file.stem().string();
   const std::string out = asked.out.empty() ? "out/" + name + ".tune" : asked.out;
