@@ -18,6 +18,9 @@ using Values = Fourier::Values;
 /// after it.
 constexpr double kBefore_s = 0.1;
 constexpr double kAfter_s = 1.0;
+/// The lags of a period begin so long before the earliest, which may be the delay: no end of a
+/// range is.
+constexpr double kBeforePeriod_s = 0.01;
 constexpr double kSideRate_hz = 100.0;  // of the autocorrelation; hands move below 10 Hz
 constexpr double kLeastSidePeak = 0.5;
 /// The second side peak lies within this share of the period of twice the period.
@@ -214,8 +217,8 @@ LagWindow WindowOf(std::span<const double> leader, double rate_hz, double earlie
                    const CountedTicks& counted, Fourier& fourier) {
   const int most = Length(LongestOf(counted)) / 4;
   const std::optional<double> period_s = RepeatPeriod_s(leader, rate_hz, counted, fourier);
-  const double first_s = period_s ? earliest_s : earliest_s - kBefore_s;
-  const double last_s = earliest_s + period_s.value_or(kAfter_s);
+  const double first_s = earliest_s - (period_s ? kBeforePeriod_s : kBefore_s);
+  const double last_s = period_s ? first_s + *period_s : earliest_s + kAfter_s;
   const auto lag_at = [&](double time_s) {
     return std::clamp(static_cast<int>(std::lround(time_s * rate_hz)), -most, most);
   };

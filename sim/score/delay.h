@@ -20,7 +20,8 @@ namespace gauntlet::sim {
 /// their sums are added; the longest stands for the signal in what follows.
 ///
 /// A motion that repeats after P (see RepeatPeriod()) looks the same after a delay of d and of
-/// d + P. So the lags of one period are searched, from `earliest_s` on: no cause acts sooner. A
+/// d + P. So the lags of one period are searched, from 10 ms before `earliest_s` on: no cause acts
+/// sooner, and a delay at the end of a range cannot be told. A
 /// motion that does not repeat is searched from 100 ms before `earliest_s` to 1 s after it. The lag
 /// is at most a quarter of the signal.
 ///

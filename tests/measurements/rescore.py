@@ -163,7 +163,7 @@ def delay_samples(reference, hand, rate_hz, earliest_s, counted):
     most = max(e - b for b, e in counted) // 4
     period = repeat_period(reference, rate_hz, counted)
     first, last = ((earliest_s - 0.1, earliest_s + 1.0) if period is None
-                   else (earliest_s, earliest_s + period))
+                   else (earliest_s - 0.01, earliest_s - 0.01 + period))
     first, last = (int(np.clip(half_up(t * rate_hz), -most, most)) for t in (first, last))
     if last - first < 2:
         return None
