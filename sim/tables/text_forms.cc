@@ -123,6 +123,53 @@ std::optional<TextForm> LabelledForm(const std::vector<std::string>& head) {
   return form;
 }
 
+// --- A clock before the row ------------------------------------------------------------------------
+
+/// The cells of a line behind `CLOCK ->`, the clock first. None without one.
+std::optional<Cells> ClockedCells(std::string_view line) {
+  if (line.find("->") == std::string_view::npos) return std::nullopt;
+  auto clock = TakeClockBefore(line);
+  if (!clock) return std::nullopt;
+  Cells cells = {std::move(*clock)};
+  const char separator = SeparatorOf(Trimmed(line));
+  for (const std::string_view cell : SplitCells(Trimmed(line), separator)) {
+    cells.emplace_back(Trimmed(cell));
+  }
+  return cells;
+}
+
+bool AreNumbers(const Cells& cells) {
+  return cells.size() > 1 && std::all_of(cells.begin() + 1, cells.end(), IsNumber);
+}
+
+/// Rows of a serial port behind the clock of the program that shows them.
+std::optional<TextForm> ClockedForm(const std::vector<std::string>& head) {
+  std::map<std::size_t, std::size_t> fitting;  // lines by the number of cells
+  for (const std::string& line : head) {
+    const auto cells = ClockedCells(line);
+    if (cells && AreNumbers(*cells)) ++fitting[cells->size()];
+  }
+  if (fitting.empty()) return std::nullopt;
+  const auto most =
+      std::ranges::max_element(fitting, {}, [](const auto& width) { return width.second; });
+  if (most->second < 3 || 2 * most->second < head.size()) return std::nullopt;
+  TextForm form{.kind = TextFormKind::kClocked, .names = {"time"}};
+  for (std::size_t i = 1; i < most->first; ++i) form.names.push_back(fmt::format("value_{}", i));
+  for (const std::string& line : head) {  // of the first sketch's header, if one was printed
+    const auto cells = ClockedCells(line);
+    if (!cells || cells->size() != most->first) continue;
+    if (!AreNumbers(*cells)) form.names = *cells;
+    break;
+  }
+  form.names.front() = "time";
+  form.convert = [width = most->first](std::string_view line) -> std::optional<Cells> {
+    auto cells = ClockedCells(line);
+    if (!cells || cells->size() != width || !AreNumbers(*cells)) return std::nullopt;
+    return cells;
+  };
+  return form;
+}
+
 // --- Lists in the cells --------------------------------------------------------------------------
 
 /// Cells between commas that are neither in quotes nor in brackets.
@@ -462,7 +509,7 @@ std::vector<std::string> LinesOfHead(std::string_view head) {
 
 std::optional<TextForm> FormOf(const std::vector<std::string>& head, const ListNames& known) {
   std::optional<TextForm> form = ListForm(head, known);
-  for (const auto& find : {LabelledForm, AlphaForm, RosEchoForm, JointStateForm}) {
+  for (const auto& find : {LabelledForm, ClockedForm, AlphaForm, RosEchoForm, JointStateForm}) {
     if (!form) form = find(head);
   }
   return form;
@@ -492,8 +539,8 @@ LiveTable PlainStream(const std::string& name, TextLines::Source source) {
     const TrcHeader header = ReadTrcHeader(name, head);
     return {WithHead(header.names + head.substr(header.bytes), std::move(source))};
   }
-  const bool has_labels =
-      LabelledCells(first[0]) || AlphaCells(first[0]).value_or(AlphaPairs()).size() > 1;
+  const bool has_labels = LabelledCells(first[0]) || ClockedCells(first[0]) ||
+                          AlphaCells(first[0]).value_or(AlphaPairs()).size() > 1;
   std::optional<TextForm> form;
   if (has_labels || !IsRowOfNumbers(first[0])) form = FormOf(read_lines(has_labels ? 4 : 2));
   source = WithHead(std::move(head), std::move(source));

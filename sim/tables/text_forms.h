@@ -19,6 +19,7 @@ using ListNames = std::map<std::string, std::vector<std::string>>;
 /// A table of one value per cell from texts in other forms; all other texts as they are:
 ///
 /// - labels in the cells, as the serial plotter of Arduino: `10:15:00.0 -> Thumb:300 Index:4`
+/// - rows behind a clock, as the serial monitor of Arduino: `10:15:00.0 -> 300,4`
 /// - lists in the cells, as LeRobot by pandas: `0,[1.5 2.5],0.1`; `action` becomes `action_1` ..,
 ///   or `action.wrist` .. where `known` has as many names
 /// - a row per channel: turned. A row of zeros in front, of an index, is left out.
@@ -29,7 +30,7 @@ using ListNames = std::map<std::string, std::vector<std::string>>;
 /// Rows that do not fit become comments. The separator is the comma then.
 TextLines::Source PlainTable(TextLines::Source source, const ListNames& known = {});
 
-enum class TextFormKind { kLists, kLabels, kAlpha, kJointState };
+enum class TextFormKind { kLists, kLabels, kClocked, kAlpha, kJointState };
 
 /// A form of text in which each line is a row.
 struct TextForm {
@@ -40,8 +41,8 @@ struct TextForm {
   bool has_header = false;  // the first line of the text contains names
 };
 
-/// The form of a text that begins with these lines. Labels and the alpha encoding need three of
-/// them and half of them, all other forms the first two.
+/// The form of a text that begins with these lines. Labels, clocks and the alpha encoding need three
+/// of them and half of them, all other forms the first two.
 std::optional<TextForm> FormOf(const std::vector<std::string>& head, const ListNames& known = {});
 
 /// A text that comes line by line.
@@ -50,8 +51,8 @@ struct LiveTable {
   std::shared_ptr<const std::size_t> left_out = {};  // lines that do not fit; none: not converted
 };
 
-/// Plain table of a live stream. Its first two lines decide, or four if the first one has labels or
-/// the alpha encoding; a first line of numbers alone is a row. `name` stands for it in messages.
+/// Plain table of a live stream. Its first two lines decide, or four if the first one has labels, a
+/// clock or the alpha encoding; a first line of numbers alone is a row. `name` stands for it in messages.
 LiveTable PlainStream(const std::string& name, TextLines::Source source);
 
 }  // namespace gauntlet::sim

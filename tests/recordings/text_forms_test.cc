@@ -28,6 +28,15 @@ TEST(PlainTable, TakesLabelsOutOfCells) {
   EXPECT_EQ(PlainOf(rows), rows);
 }
 
+TEST(PlainTable, TakesTheClockOffThatASerialMonitorWrites) {
+  EXPECT_EQ(PlainOf("10:15:00.000 -> flex1,flex2\n10:15:00.020 -> 300,4\n10:15:00.040 -> 301,5\n"
+                    "10:15:00.060 -> 302\n10:15:00.080 -> 303,7\n"),
+            "time,flex1,flex2\n10:15:00.020,300,4\n10:15:00.040,301,5\n# 10:15:00.060 -> 302\n"
+            "10:15:00.080,303,7\n");
+  EXPECT_EQ(PlainOf("10:15:00.000 -> 300 4\n10:15:00.020 -> 301 5\n10:15:00.040 -> 302 6\n"),
+            "time,value_1,value_2\n10:15:00.000,300,4\n10:15:00.020,301,5\n10:15:00.040,302,6\n");
+}
+
 TEST(PlainTable, SpreadsListsOverColumns) {
   EXPECT_EQ(PlainOf(",action,t\n0,[1.5  -2. ],0.1\n1,\"[3, 4]\",0.2\n2,[ 5.\n 6.],0.3\n"),
             ",action_1,action_2,t\n0,1.5,-2.,0.1\n1,3,4,0.2\n2,5.,6.,0.3\n");
