@@ -31,7 +31,7 @@ struct Signature {
   std::string_view bytes;  // at the beginning of the file
   FileFormat format;
 };
-constexpr std::array<Signature, 12> kSignatures = {{
+constexpr std::array<Signature, 14> kSignatures = {{
     {"\x89HDF\r\n\x1a\n"sv, FileFormat::kHdf5},
     {"\x93NUMPY"sv, FileFormat::kNpy},
     {"\x1f\x8b"sv, FileFormat::kGzip},
@@ -42,6 +42,8 @@ constexpr std::array<Signature, 12> kSignatures = {{
     {"PAR1"sv, FileFormat::kParquet},
     {"version https://git-lfs"sv, FileFormat::kLfsPointer},
     {"\x1a\x45\xdf\xa3"sv, FileFormat::kVideo},  // Matroska, WebM
+    {"XDF:"sv, FileFormat::kXdf},
+    {"Kaydara FBX Binary"sv, FileFormat::kFbx},
     {"\xff\xfe"sv, FileFormat::kUtf16},
     {"\xfe\xff"sv, FileFormat::kUtf16},
 }};
@@ -52,7 +54,7 @@ struct FormatFacts {
   std::string_view way_out = "";
 };
 const FormatFacts& FactsOf(FileFormat format) {
-  static constexpr std::array<FormatFacts, 25> kFacts = {{
+  static constexpr std::array<FormatFacts, 28> kFacts = {{
       {FileFormat::kText, "text"},
       {FileFormat::kUtf16, "UTF-16 text"},
       {FileFormat::kBvh, "BVH"},
@@ -78,6 +80,10 @@ const FormatFacts& FactsOf(FileFormat format) {
       {FileFormat::kLfsPointer, "a pointer of Git LFS", "fetch the file itself: git lfs pull"},
       {FileFormat::kVideo, "a video",
        "find the joint angles in it with a hand tracker and write them as CSV"},
+      {FileFormat::kC3d, "C3D",
+       "write the angles of its joints as .mot or CSV, or markers as .trc"},
+      {FileFormat::kXdf, "XDF of the Lab Streaming Layer", "write one stream as CSV, with pyxdf"},
+      {FileFormat::kFbx, "FBX", "write its skeleton as BVH, with Blender"},
       {FileFormat::kUrdf, "a URDF, a model of a robot",
        "a hand must be an MJCF file as models/README.md describes"},
       {FileFormat::kBinary, "binary, of a kind that is not known",
@@ -230,6 +236,9 @@ FileFormat FormatOfBytes(std::string_view head) {
     if (order == "IM" || order == "MI") return FileFormat::kMat;
   }
   if (IsMat4(head)) return FileFormat::kMat;
+  // The block of the parameters, the second as a rule, and the format's number.
+  const bool is_c3d = head.size() > 2 && head[0] > 1 && head[0] < 16 && head[1] == '\x50';
+  if (is_c3d && head.find('\0') != std::string_view::npos) return FileFormat::kC3d;
   constexpr int kTextPerZero = 20;  // a broken line of text may hold some
   if (std::ranges::count(head, '\0') * kTextPerZero > std::ssize(head)) return FileFormat::kBinary;
   const std::size_t first = std::min(head.find_first_not_of(" \t\r\n"), head.size());

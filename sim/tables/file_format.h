@@ -33,6 +33,9 @@ enum class FileFormat {
   kParquet,
   kLfsPointer,
   kVideo,
+  kC3d,  // of motion capture
+  kXdf,  // of the Lab Streaming Layer
+  kFbx,  // of animation
   kUrdf,
   kBinary,
 };
