@@ -137,7 +137,7 @@ std::optional<std::vector<ChainFit>> TryFit(const ChainLog& log, ChainDetail det
     return FitChains(log, {}, detail);
   } catch (const UserError& error) {
     left_out.push_back(
-        fmt::format("episode {}: {} {}", log.episode.value_or(0), error.key(), error.problem()));
+        fmt::format("episode {}: {}: {}", log.episode.value_or(0), error.key(), error.problem()));
     return std::nullopt;
   }
 }

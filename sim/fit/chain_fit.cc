@@ -13,6 +13,7 @@
 #include "controller/assert.h"
 #include "sim/base/signal.h"
 #include "sim/fit/chain_selection.h"
+#include "sim/fit/command_kind.h"
 #include "sim/score/delay.h"
 
 namespace gauntlet::sim {
@@ -25,6 +26,9 @@ using Eigen::VectorXd;
 constexpr double kBeginning_s = 0.5;
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr double kLead_s = 0.2;  // a lead up to this is told from a delay of a motion that repeats
+/// A delay is searched up to here, in parts that each overlap with the one before.
+constexpr double kLongestSearch_s = 3.0;
+constexpr double kOneSearch_s = 0.9;
 /// Noise of a motor's angle that may appear as play, in standard deviations.
 constexpr double kNoiseInLost = 3.0;
 
@@ -397,9 +401,15 @@ std::string ProblemOf(std::span<const double> command_deg, std::span<const doubl
   };
   if (rms(command) < kStillRms_rad) return "its command does not move";
   if (rms(angle) < kStillRms_rad) return "it does not move";
+  const CommandKind kind = FindCommandKind(command_deg, angle_deg, rate_hz);
+  if (kind != CommandKind::kTarget) return ProblemOf(kind, rate_hz);
   Fourier fourier;
   const CountedTicks all{{0, static_cast<int>(command.size())}};
-  const auto delay_samples = DelaySamples(command, angle, rate_hz, -kLead_s, all, fourier);
+  std::optional<double> delay_samples;
+  for (double earliest_s = -kLead_s; !delay_samples && earliest_s < kLongestSearch_s;) {
+    delay_samples = DelaySamples(command, angle, rate_hz, earliest_s, all, fourier);
+    earliest_s += kOneSearch_s;
+  }
   if (!delay_samples) return "it does not follow its command: no delay to be seen";
   delay_s = *delay_samples / rate_hz;
   if (delay_s < -1.0 / rate_hz) {

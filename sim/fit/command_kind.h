@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+namespace gauntlet::sim {
+
+/// Meaning of a part's command in a log.
+enum class CommandKind {
+  kTarget,      // position to go to: the only one that has a delay
+  kCopy,        // the angle of the same row
+  kNextRow,     // the angle of the next row
+  kEarlierRow,  // the angle of the row before
+  kSteps,       // changes of the angle from row to row
+  kVelocity,    // speed of the angle
+};
+
+/// Finds what a command is from how it fits the angle:
+///
+///     copy            c[n] = g a[n + k] + b,  k = 0, 1, -1, but for rounding
+///     steps, velocity a[n] = g sum(c[0..n - k]) + b + d n,  k = 0..3; better than any
+///                     a[n] = g c[n - k] + b,  k up to 3 s;  g about 1: steps, 1 / rate: velocity
+///
+/// A hand that follows its target exactly, one row later, cannot be told from a copy of the next
+/// row: no delay can be told either.
+/// Shapes: equal length, finite, at `rate_hz`. Units: any that both share.
+CommandKind FindCommandKind(std::span<const double> command, std::span<const double> angle,
+                            double rate_hz);
+
+/// A sentence about a command that is no target, and what to do; empty for a target.
+std::string ProblemOf(CommandKind kind, double rate_hz);
+
+}  // namespace gauntlet::sim
