@@ -13,7 +13,6 @@
 #include "controller/assert.h"
 #include "sim/base/signal.h"
 #include "sim/fit/chain_selection.h"
-#include "sim/fit/command_kind.h"
 #include "sim/score/delay.h"
 
 namespace gauntlet::sim {
@@ -401,8 +400,6 @@ std::string ProblemOf(std::span<const double> command_deg, std::span<const doubl
   };
   if (rms(command) < kStillRms_rad) return "its command does not move";
   if (rms(angle) < kStillRms_rad) return "it does not move";
-  const CommandKind kind = FindCommandKind(command_deg, angle_deg, rate_hz);
-  if (kind != CommandKind::kTarget) return ProblemOf(kind, rate_hz);
   Fourier fourier;
   const CountedTicks all{{0, static_cast<int>(command.size())}};
   std::optional<double> delay_samples;

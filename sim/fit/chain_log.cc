@@ -261,6 +261,21 @@ double ScaleWithoutUnit(const ChainColumns& columns, const std::vector<PartColum
   return 1.0;
 }
 
+/// Kinds of the commands, by the rows as they are: what is made of them at an even rate is no exact
+/// copy of anything.
+std::vector<CommandKind> KindsOf(const std::vector<Series>& series, std::size_t parts,
+                                 double rate_hz) {
+  std::vector<CommandKind> kinds;
+  for (std::size_t i = 0; i < parts; ++i) {
+    const Series& command = series[i];
+    const Series& angle = series[parts + i];
+    kinds.push_back(command.time_s == angle.time_s
+                        ? FindCommandKind(command.value, angle.value, rate_hz)
+                        : CommandKind::kTarget);
+  }
+  return kinds;
+}
+
 /// The episode at an even rate. `log` has what all episodes share.
 /// Errors: UserError for fewer than two rows, a column without values, a long gap or uneven rows.
 ChainLog LogOf(const ChainColumns& columns, const std::vector<PartColumn>& parts, double scale,
@@ -293,6 +308,7 @@ ChainLog LogOf(const ChainColumns& columns, const std::vector<PartColumn>& parts
   log.command_deg = Signal(samples, count);
   log.angle_deg = Signal(samples, count);
   if (!columns.motors.empty()) log.motor_deg = Signal::Constant(samples, count, kNaN);
+  log.kinds = KindsOf(rows.series, log.parts.size(), log.rate_hz);
   Signal* const signals[] = {&log.command_deg, &log.angle_deg, &log.motor_deg};
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (double& value : rows.series[i].value) {
@@ -410,7 +426,11 @@ std::vector<ChainFit> FitChains(const ChainLog& log, const ChainProgress& progre
     const auto part = static_cast<Eigen::Index>(i);
     const std::span<const double> command_deg = ColumnOf(log.command_deg, i);
     const std::span<const double> angle_deg = ColumnOf(log.angle_deg, i);
-    fits[i] = FitChain(command_deg, angle_deg, log.rate_hz, parts, frames[i], detail);
+    if (!log.kinds.empty() && log.kinds[i] != CommandKind::kTarget) {
+      fits[i].problem = ProblemOf(log.kinds[i], log.rate_hz);
+    } else {
+      fits[i] = FitChain(command_deg, angle_deg, log.rate_hz, parts, frames[i], detail);
+    }
     if (log.motor_deg.size() > 0 && !std::isnan(log.motor_deg(0, part))) {
       AddMotor(command_deg, ColumnOf(log.motor_deg, i), angle_deg, log.rate_hz, fits[i], parts);
     }

@@ -9,6 +9,7 @@
 
 #include "sim/base/signal.h"
 #include "sim/fit/chain_fit.h"
+#include "sim/fit/command_kind.h"
 
 namespace gauntlet::sim {
 
@@ -23,6 +24,7 @@ struct ChainLog {
   Signal command_deg;
   Signal angle_deg;
   Signal motor_deg;          // any scale, offset and sign; NaN for a part without, empty: none
+  std::vector<CommandKind> kinds = {};  // of the commands, part by part; empty: all are targets
   bool from_wearer = false;  // the command is the wearer's motion, not a motor command
   bool held = false;         // rows hold their command if no other frames are found
   std::size_t values_missing = 0;  // interpolated
