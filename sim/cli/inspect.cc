@@ -12,12 +12,14 @@
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/inspect_hand.h"
+#include "sim/cli/joint_question.h"
 #include "sim/cli/recording_scenario.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/terminal_option.h"
 #include "sim/recordings/inspect/inspection.h"
 #include "sim/recordings/inspect/inspection_tables.h"
+#include "sim/recordings/inspect/joint_answer.h"
 #include "sim/recordings/inspect/starter_files.h"
 #include "sim/results/table_text.h"
 #include "sim/show/video/png_file.h"
@@ -61,7 +63,7 @@ The format is found from the bytes. Of a file above 1 GB the beginning is read. 
 standard deviation from the curvature between three rows; still is the share of values equal to
 the row before, clipped the share of the lowest and highest value. A dead sensor has one value
 in 99 % of the rows, or in 95 % and a narrow range. If the joints are unknown, the command asks
-and returns 2.
+and returns 2. At a terminal it waits for the answer and writes it as a column map.
 
 Example:
   gauntlet inspect my_glove.csv --write-scenario my_glove.yaml --plot my_glove.png
@@ -228,19 +230,50 @@ std::string NextCommand(const Inspection& inspection, const std::string& given_m
                      scenario, scenario);
 }
 
+/// The column map beside a recording, or beside the folder of a data set.
+std::string MapBeside(const std::string& recording) {
+  fs::path file = recording;
+  if (!file.has_filename()) file = file.parent_path();
+  return file.replace_extension(".map.csv").string();
+}
+
+/// Asks at a terminal for joints that are unknown, and writes the answer to `map`, or beside the
+/// recording if it is empty. Returns the map; empty without an answer.
+std::string AnsweredMap(const Inspection& inspection, const InspectionOptions& asked,
+                        const std::string& map, const InspectOptions& options) {
+  if (options.json || ColumnsToName(inspection).empty() || !CanAsk()) return "";
+  const std::string target = map.empty() ? MapBeside(options.file) : map;
+  try {
+    CheckTargets(target, options);
+  } catch (const UserError& error) {  // the answer would be lost
+    Say("{}, --map {} uses it\n", error.what(), ShellPath(target));
+    return "";
+  }
+  const std::string answer = AskForMap(inspection, asked);
+  if (answer.empty()) return "";
+  WriteStarter(target, answer, options.force);
+  return target;
+}
+
 void RunInspect(const InspectOptions& options) {
   if (IsHandFile(options.file)) {
     InspectHand(options.file, options.scenario, options.force);
     return;
   }
   std::string map = options.map;
-  const InspectionOptions asked = options.recording.Asked();
+  InspectionOptions asked = options.recording.Asked();
   const std::string& given_map = asked.map;
   if (map.empty() && given_map.empty() && !options.scenario.empty()) {
     map = fs::path(options.scenario).replace_extension(".map.csv").string();
   }
-  const Inspection inspection = Inspect(options.file, asked);
+  Inspection inspection = Inspect(options.file, asked);
   CheckTargets(map, options);
+  if (const std::string answered = AnsweredMap(inspection, asked, map, options);
+      !answered.empty()) {
+    asked.map = answered;
+    map.clear();  // it is written
+    inspection = Inspect(options.file, asked);
+  }
   if (options.json) {
     PrintText(InspectionJson(inspection));
   } else {

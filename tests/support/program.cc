@@ -26,6 +26,20 @@ struct Pipe {
   throw std::system_error(error, std::generic_category(), what);
 }
 
+/// The near end of a new pseudo-terminal.
+int MakeTerminal() {
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0) Fail(errno, "terminal");
+  return terminal;
+}
+
+/// The name of its far end.
+std::string NameOfTerminal(int terminal) {
+  char name[64] = {};
+  if (ptsname_r(terminal, name, sizeof name) != 0) Fail(errno, "terminal");
+  return name;
+}
+
 Pipe MakePipe() {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) Fail(errno, "pipe");
@@ -61,20 +75,29 @@ std::vector<char*> Pointers(std::vector<std::string>& texts) {
 }
 
 /// posix_spawn and not fork: a test may have threads (MuJoCo, sanitizers) when it starts a program.
+/// `terminal`: name of the one that is input and error; empty: none.
 pid_t Spawn(std::vector<std::string> command, const ProgramOptions& options, int input, int output,
-            int error) {
+            int error, const std::string& terminal) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+  if (terminal.empty()) {
+    posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+  } else {
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, terminal.c_str(), O_RDWR, 0);
+  }
   posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, error, STDERR_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, terminal.empty() ? error : STDIN_FILENO,
+                                   STDERR_FILENO);
   if (!options.working_directory.empty()) {
     posix_spawn_file_actions_addchdir_np(&actions, options.working_directory.c_str());
   }
 
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+  // A session of its own, which has a process group, gets the terminal that it opens first: then
+  // Ctrl-C is a signal.
+  const int group = terminal.empty() ? POSIX_SPAWN_SETPGROUP : POSIX_SPAWN_SETSID;
+  posix_spawnattr_setflags(&attributes, static_cast<short>(group | POSIX_SPAWN_SETSIGDEF));
   posix_spawnattr_setpgroup(&attributes, 0);
   sigset_t defaults;
   sigemptyset(&defaults);
@@ -118,13 +141,21 @@ Program::Program(const std::vector<std::string>& command, ProgramOptions options
   input_ = input.write_end;
   output_ = output.read_end;
   error_ = error.read_end;
+  std::string terminal;
+  if (options_.on_terminal) {
+    for (int* near_end : {&input_, &error_}) Close(*near_end);
+    error_ = MakeTerminal();
+    input_ = fcntl(error_, F_DUPFD_CLOEXEC, 0);
+    terminal = NameOfTerminal(error_);
+  }
   const auto close_far_ends = [&] {
     Close(input.read_end);
     Close(output.write_end);
     Close(error.write_end);
   };
   try {
-    process_ = Spawn(command, options_, input.read_end, output.write_end, error.write_end);
+    process_ =
+        Spawn(command, options_, input.read_end, output.write_end, error.write_end, terminal);
   } catch (...) {
     close_far_ends();
     for (int* near_end : {&input_, &output_, &error_}) Close(*near_end);
@@ -180,6 +211,8 @@ void Program::SendSignal(int signal) {
   if (!ended_) kill(process_, signal);
 }
 
+void Program::Type(std::string_view text) { options_.standard_input += text; }
+
 const ProgramResult& Program::Wait() {
   while (Advance()) {
   }
@@ -190,7 +223,9 @@ bool Program::Advance() {
   if (ended_) return false;
   // Short, because the end of a program that has closed its pipes wakes nobody.
   constexpr int kPollMs = 5;
-  pollfd waiting[] = {{input_, POLLOUT, 0}, {output_, POLLIN, 0}, {error_, POLLIN, 0}};
+  const bool has_input = input_written_ < options_.standard_input.size() || !options_.on_terminal;
+  pollfd waiting[] = {
+      {has_input ? input_ : -1, POLLOUT, 0}, {output_, POLLIN, 0}, {error_, POLLIN, 0}};
   poll(waiting, std::size(waiting), kPollMs);
   WriteInput();
   ReadOutput();
@@ -217,7 +252,8 @@ void Program::WriteInput() {
   const ssize_t count = rest.empty() ? 0 : write(input_, rest.data(), rest.size());
   if (count > 0) input_written_ += static_cast<std::size_t>(count);
   const bool broken = count < 0 && errno != EAGAIN && errno != EINTR;
-  if (broken || input_written_ == options_.standard_input.size()) Close(input_);
+  const bool is_all = input_written_ == options_.standard_input.size() && !options_.on_terminal;
+  if (broken || is_all) Close(input_);
 }
 
 void Program::ReadOutput() {

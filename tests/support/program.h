@@ -17,6 +17,9 @@ struct ProgramOptions {
   bool inherit_environment = true;
   std::filesystem::path working_directory = {};  // empty: the test's own
   std::chrono::milliseconds timeout = std::chrono::seconds(60);
+  /// Standard input and standard error are a terminal: input is typed there, and standard error is
+  /// what it shows. Its end is typed as Ctrl-D.
+  bool on_terminal = false;
 };
 
 struct ProgramResult {
@@ -47,6 +50,8 @@ class Program {
   /// Waits until the program handles `signal` itself; false as above.
   bool WaitForHandlerOf(int signal);
   void SendSignal(int signal);
+  /// More input, at a terminal.
+  void Type(std::string_view text);
   /// Waits for its end. The second call gives the same again.
   const ProgramResult& Wait();
 

@@ -70,6 +70,22 @@ TEST(Program, StopsAtTimeoutWithEverythingItStarted) {
   EXPECT_FALSE(IsRunning(grandchild));
 }
 
+TEST(Program, HasATerminalIfAsked) {
+  const std::string is_terminal = "test -t 0 && test -t 2 && ! test -t 1";
+  EXPECT_EQ(RunProgram({"sh", "-c", is_terminal}, {.on_terminal = true}).exit_code, 0);
+  EXPECT_NE(RunProgram({"sh", "-c", is_terminal}).exit_code, 0);
+  const ProgramResult cat = RunProgram({"cat"}, {.standard_input = "a\n\x04", .on_terminal = true});
+  EXPECT_EQ(cat.standard_output, "a\n");
+  EXPECT_EQ(cat.exit_code, 0);
+}
+
+TEST(Program, TypesAnInterruptAtItsTerminal) {
+  Program program({"sh", "-c", "echo ready; read line"}, {.on_terminal = true});
+  ASSERT_TRUE(program.WaitForText("ready"));
+  program.Type("\x03");
+  EXPECT_EQ(program.Wait().signal, SIGINT);
+}
+
 TEST(Program, FailsForProgramThatDoesNotExist) {
   EXPECT_THROW(RunProgram({"/nowhere/program"}), std::system_error);
 }

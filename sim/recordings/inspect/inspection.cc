@@ -390,6 +390,7 @@ void SetJoints(const std::vector<ColumnFamily>& families, const JointChoice& cho
   inspection.profiles_to_ask_for = choice.profiles_to_ask_for;
   if (inspection.unit == RawUnit::kCounts) inspection.bits = BitsFor(choice.high);
   inspection.question = choice.question;
+  inspection.asks_joints = !choice.question.empty() && choice.asks_joints;
   for (const HealthFinding& finding : HealthOf(inspection)) {
     InspectedColumn& column = inspection.columns[finding.column];
     if (column.is_dead) column.why = finding.sentence;

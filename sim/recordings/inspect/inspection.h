@@ -81,6 +81,7 @@ struct Inspection {
   std::string unit_why;
   std::string question;                 // that stops the work until it is answered; empty: none
   Remedy remedy = Remedy::kInSentence;  // of the question
+  bool asks_joints = false;             // the joints of the sensors answer the question
   std::vector<InspectedColumn> columns;
   std::vector<double> picture_time_s;               // of some rows
   std::vector<std::vector<double>> picture_values;  // per column; empty without numbers

@@ -324,6 +324,7 @@ bool ChooseByNames(const JointEvidence& evidence, const JointOptions& options,
   std::vector<std::string> names;
   for (const std::size_t c : choice.columns) names.push_back(evidence.columns[c].name);
   choice.joints = JointsByNames(names, choice.question);
+  choice.asks_joints = true;
   const bool any_joint = std::ranges::any_of(
       choice.joints, [](const ColumnJoint& joint) { return !joint.channel.empty(); });
   if (!any_joint && choice.question.empty()) choice.question = "no name of a column is a joint's";
@@ -378,6 +379,7 @@ void ChooseByNumber(const JointEvidence& evidence, const JointOptions& options,
           ? ", more than a hand has; if a row is a window of samples, write one sample "
             "a row"
           : "");
+  choice.asks_joints = true;
   constexpr std::size_t kMost = 4;  // more say nothing
   const auto possible = known.empty()
                             ? ProfilesWith(ProfileEvidence::kOneFact,
@@ -405,6 +407,7 @@ void ChooseMuscles(std::span<const ColumnFamily> families, JointChoice& choice) 
                      "joint that each is to move is unknown",
                      ColumnsText(muscles->columns), is_one ? "it changes" : "they change",
                      is_one ? "it is the activity" : "they are activities");
+  choice.asks_joints = true;
 }
 
 /// Content of a table that has no sensors of a hand.

@@ -40,6 +40,7 @@ struct JointChoice {
   std::string profile = {};                           // that the columns are of, by name
   std::vector<std::string> profiles_to_ask_for = {};  // that they may be of
   std::string question;         // that must be answered before a column drives a joint; empty: none
+  bool asks_joints = false;     // the joints of `columns` answer the question
   bool is_command_log = false;  // commands and measured angles of a hand, not of a glove
 };
 
