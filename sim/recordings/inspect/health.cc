@@ -28,6 +28,7 @@ struct HealthRule {
   std::optional<double> (*find)(const Inspection& inspection, std::size_t column);
   std::string (*say)(const Inspection& inspection, std::size_t column, double value,
                      const Others& others);
+  bool from_row_to_row = false;  // compares neighbours, which are of one sender then
 };
 
 const ColumnStatistics& StatisticsOf(const Inspection& inspection, std::size_t column) {
@@ -88,7 +89,8 @@ constexpr HealthRule kHealthRules[] = {
                           others.range_over_noise > 0.0
                               ? fmt::format(", others {:.0f}", others.range_over_noise)
                               : std::string());
-     }},
+     },
+     true},
     {"lost",
      [](const Inspection& inspection, std::size_t c) {
        constexpr double kWorthALine = 0.01;
@@ -108,7 +110,8 @@ constexpr HealthRule kHealthRules[] = {
      [](const Inspection&, std::size_t, double value, const Others&) {
        return fmt::format("spikes in {} of the rows; check its plug, or use a median filter",
                           Percent(value));
-     }},
+     },
+     true},
     {"clipped",
      [](const Inspection& inspection, std::size_t c) {
        constexpr double kOften = 0.1;
@@ -129,7 +132,8 @@ constexpr HealthRule kHealthRules[] = {
      [](const Inspection& inspection, std::size_t, double value, const Others&) {
        return fmt::format("{} of the rows repeat the one before; its own rate is about {:.3g} Hz",
                           Percent(value), inspection.time.rate_hz * (1.0 - value));
-     }},
+     },
+     true},
     {"drift",
      [](const Inspection& inspection, std::size_t c) {
        constexpr double kFar = 0.2;
@@ -193,7 +197,14 @@ std::vector<HealthFinding> HealthOf(const Inspection& inspection) {
   Others others;
   if (!ratios.empty()) others.range_over_noise = Quantile(ratios, 0.5);
   std::vector<HealthFinding> findings;
+  if (const std::optional<Senders>& senders = inspection.senders) {
+    findings.push_back({.column = senders->column,
+                        .key = "two_senders",
+                        .value = 1.0 / senders->every,
+                        .sentence = TextOf(*senders)});
+  }
   for (const HealthRule& rule : kHealthRules) {
+    if (inspection.senders && rule.from_row_to_row) continue;
     const std::size_t first = findings.size();
     for (const std::size_t c : inspection.Sensors()) {
       const bool is_told = std::ranges::any_of(findings, [c](const HealthFinding& finding) {

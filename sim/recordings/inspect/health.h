@@ -11,7 +11,8 @@ namespace gauntlet::sim {
 /// A defect of a sensor, and what to do about it.
 struct HealthFinding {
   std::size_t column = 0;
-  std::string key;       // dead, no_movement, lost, spikes, clipped, repeats or drift
+  std::string key;       // two_senders (of the clock, or of the first sensor that shows it), dead,
+                         // no_movement, lost, spikes, clipped, repeats or drift
   double value = 0.0;    // share of the rows; of no_movement and drift: see the sentence
   std::string sentence;  // "does not move: .."
 };

@@ -78,19 +78,32 @@ std::vector<RowGroups> GroupsToWatch(const Inspection& inspection) {
   return groups;
 }
 
+/// The column of the time, or the first that has its name, though its time does not rise. The
+/// number of columns: none.
+std::size_t ClockOf(const TimeGuess& time, const std::vector<InspectedColumn>& columns) {
+  if (!time.parts.empty()) return time.parts.front().column;
+  const auto named = std::ranges::find_if(columns, [](const InspectedColumn& column) {
+    return column.kind == CellKind::kNumber && TimeScaleS(column.name);
+  });
+  return static_cast<std::size_t>(named - columns.begin());
+}
+
 /// Reads the whole table once.
 TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColumn>& columns,
-                          CsvReader& csv, std::vector<RowGroups>& groups) {
+                          CsvReader& csv, std::vector<RowGroups>& groups, SenderWatch& senders) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (columns[c].kind == CellKind::kText) csv.ReadAsTexts(c);
     if (columns[c].kind == CellKind::kTime) csv.ReadAsTime(c);
   }
   TableStatistics statistics(csv.column_count());
   std::vector<double> values(csv.column_count());
+  const std::size_t clock = ClockOf(time, columns);
   while (csv.NextRow(values)) {
     double time_s = time.parts.empty() ? kNaN : 0.0;
     for (const TimePart& part : time.parts) time_s += values[part.column] * SecondsPer(part.unit);
     statistics.Add(time_s, values);
+    const bool is_named = time.parts.empty() && clock < values.size();
+    senders.Add(is_named ? *TimeScaleS(columns[clock].name) * values[clock] : time_s, values);
     for (RowGroups& group : groups) group.Add(time_s, values[group.column()], values);
   }
   return statistics;
@@ -297,13 +310,13 @@ std::vector<ColumnFamily> GivenFamily(const std::vector<ColumnEvidence>& evidenc
 }
 
 /// True for a sensor that carries nothing: it hardly ever leaves one value, or seldom and not far,
-/// or has only noise.
-bool IsDead(const InspectedColumn& column, double widest) {
+/// or has only noise. `is_mixed`: the rows are of two senders, which look like noise.
+bool IsDead(const InspectedColumn& column, double widest, bool is_mixed) {
   const ColumnStatistics& is = column.statistics;
   constexpr double kAlways = 0.99;
   constexpr double kMostly = 0.95;
   constexpr double kNarrow = 0.5;  // of the widest range of a sensor
-  return is.commonest_share >= kAlways || IsOnlyNoise(column) ||
+  return is.commonest_share >= kAlways || (!is_mixed && IsOnlyNoise(column)) ||
          (is.commonest_share >= kMostly && is.high - is.low < kNarrow * widest);
 }
 
@@ -377,7 +390,7 @@ void SetJoints(const std::vector<ColumnFamily>& families, const JointChoice& cho
     const ColumnJoint& joint = choice.joints[i];
     column.is_sensor = true;
     if (!choice.mappings.empty()) column.mappings = choice.mappings[i];
-    column.is_dead = IsDead(column, widest);
+    column.is_dead = IsDead(column, widest, inspection.senders.has_value());
     column.channel = joint.channel;
     column.basis = joint.basis;
     column.why = joint.why.empty() ? "its joint is unknown" : joint.why;
@@ -476,6 +489,17 @@ void OfferAnglesFromStraight(Inspection& inspection) {
   }
 }
 
+/// Two senders by the clock and by all columns of numbers that may be sensors.
+void FindSenders(const SenderWatch& watch, std::size_t clock, Inspection& inspection) {
+  std::vector<std::pair<std::size_t, double>> sensors;
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    const InspectedColumn& column = inspection.columns[c];
+    if (column.kind != CellKind::kNumber || column.is_time || c == clock) continue;
+    sensors.emplace_back(c, column.statistics.usual_high - column.statistics.usual_low);
+  }
+  inspection.senders = watch.Find(clock, sensors);
+}
+
 void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
   inspection.picture_time_s = statistics.kept_times_s();
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
@@ -514,10 +538,12 @@ void FindJoints(const TableStatistics& statistics, const std::vector<RowGroups>&
   UnwrapTurns(inspection);
   GuessSign(inspection);
   inspection.is_between_bones = AreBetweenBones(inspection);
-  if (inspection.question.empty()) {
+  // Rows of two senders are to be recorded again, whatever their joints are.
+  if (inspection.question.empty() || inspection.senders) {
     const StopQuestion stop = FindStopQuestion(inspection, groups, map.has_value());
     inspection.question = stop.sentence;
     inspection.remedy = stop.remedy;
+    inspection.asks_joints = false;
     const bool has_map = inspection.remedy == Remedy::kPresetOrMap;
     if (inspection.is_between_bones && has_map) OfferAnglesFromStraight(inspection);
   }
@@ -581,7 +607,8 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
       map ? std::vector<Profile>() : AllProfiles(std::filesystem::absolute(file));
   const TimeGuess time = map ? TimeOfMap(map->time) : TimeOf(inspection.layout, profiles, options);
   std::vector<RowGroups> groups = GroupsToWatch(inspection);
-  const TableStatistics statistics = ReadTable(time, inspection.columns, reader, groups);
+  SenderWatch senders(inspection.columns.size());
+  const TableStatistics statistics = ReadTable(time, inspection.columns, reader, groups, senders);
   inspection.is_whole = *is_whole;
   for (const std::string& remark : reader.remarks()) inspection.remarks.push_back(OneLine(remark));
   inspection.rows = statistics.rows();
@@ -595,6 +622,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
           inspection);
   if (time.unit_is_guessed) inspection.noted_rate_hz = noted_rate_hz;
   KeepPicture(statistics, inspection);
+  FindSenders(senders, ClockOf(time, inspection.columns), inspection);
   FindJoints(statistics, groups, options, map, reader.angle_unit(), profiles, inspection);
   ComputeEnvelopeStatistics(file, std::move(*opened.table), time, inspection);
   return inspection;

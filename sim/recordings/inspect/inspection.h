@@ -10,6 +10,7 @@
 
 #include "sim/base/channels.h"
 #include "sim/recordings/inspect/joint_choice.h"
+#include "sim/recordings/inspect/senders.h"
 #include "sim/recordings/quantities.h"
 #include "sim/recordings/table_statistics.h"
 #include "sim/tables/array_table.h"
@@ -82,6 +83,7 @@ struct Inspection {
   std::string question;                 // that stops the work until it is answered; empty: none
   Remedy remedy = Remedy::kInSentence;  // of the question
   bool asks_joints = false;             // the joints of the sensors answer the question
+  std::optional<Senders> senders = std::nullopt;  // if two take turns
   std::vector<InspectedColumn> columns;
   std::vector<double> picture_time_s;               // of some rows
   std::vector<std::vector<double>> picture_values;  // per column; empty without numbers

@@ -330,6 +330,11 @@ std::string JumpingQuestion(const Inspection& inspection, std::span<const RowGro
   return "";
 }
 
+/// A sentence if the rows of two senders take turns.
+std::string SendersQuestion(const Inspection& inspection, std::span<const RowGroups>) {
+  return inspection.senders ? TextOf(*inspection.senders) : "";
+}
+
 std::string StillQuestion(const Inspection& inspection, std::span<const RowGroups>) {
   return inspection.MappedColumns().empty()
              ? "no sensor of the hand changes its value by more than its noise"
@@ -344,8 +349,9 @@ struct StopRule {
 
 /// The first sentence counts.
 constexpr StopRule kStopRules[] = {
-    {RateBeyondQuestion, Remedy::kMap, true},
     {AlternatingQuestion, Remedy::kInSentence, true},
+    {SendersQuestion, Remedy::kInSentence, true},
+    {RateBeyondQuestion, Remedy::kMap, true},
     {JumpingQuestion, Remedy::kMap},
     {StillQuestion, Remedy::kInSentence, true},
     {TablesQuestion, Remedy::kInSentence, true},
