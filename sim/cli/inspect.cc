@@ -22,6 +22,7 @@
 #include "sim/recordings/inspect/joint_answer.h"
 #include "sim/recordings/inspect/starter_files.h"
 #include "sim/results/table_text.h"
+#include "sim/show/pages/inspection_page.h"
 #include "sim/show/video/png_file.h"
 #include "sim/show/video/recording_picture.h"
 
@@ -36,6 +37,7 @@ struct InspectOptions {
   std::string map;
   std::string scenario;
   std::string plot;
+  std::string page;
   RecordingArguments recording;
   bool verbose = false;
   bool force = false;
@@ -49,6 +51,8 @@ struct InspectOptions {
         Option("--write-scenario", &scenario, {.value = "FILE.yaml", .offer = Offer::kFiles},
                "write a scenario that plays the recording, or moves the hand, with a few filters"),
         Option("--plot", &plot, {.value = "FILE.png", .offer = Offer::kFiles}, "draw its sensors"),
+        OutOption(page, "write a page: health of the sensors, joints, a picture of each channel",
+                  "PAGE.html"),
         recording.Rows(),
         Option("--map", &recording.inspection.map, {.value = "MAP.csv", .offer = Offer::kFiles},
                "a filled-in column map: its joints count, and the scenario uses it"),
@@ -201,13 +205,16 @@ void PrintInspection(const Inspection& inspection, bool is_verbose) {
 
 /// Errors: UserError, before anything is written, for a target that must stay.
 void CheckTargets(const std::string& map, const InspectOptions& options) {
-  const std::vector<std::string> targets = {map, options.scenario, options.plot};
+  const std::vector<std::string> targets = {map, options.scenario, options.plot, options.page};
   for (const std::string& target : targets) {
     if (target.empty()) continue;
     RefuseInput(target);
     if (std::ranges::count(targets, target) > 1) {
       throw UserError({.place = target, .problem = "is the name of two outputs"});
     }
+  }
+  if (!options.page.empty() && fs::path(options.page).extension() != ".html") {
+    throw UserError({.place = "--out " + options.page, .problem = "a page must end in .html"});
   }
   if (options.force) return;
   for (const std::string& target : {map, options.scenario}) RefuseEdited(target);
@@ -282,6 +289,11 @@ void RunInspect(const InspectOptions& options) {
   FlushOutput();
   if (!map.empty() && !inspection.Sensors().empty()) {
     WriteStarter(map, StarterMap(inspection), options.force);
+  }
+  if (!options.page.empty() && inspection.layout.columns > 0) {
+    MakeDirectoryOf(options.page);
+    WriteOutputFile(options.page, InspectionPage(inspection));
+    Say("wrote {}\n", options.page);
   }
   CheckQuestion(inspection, map);
   if (options.scenario.empty() && !options.json) {

@@ -113,11 +113,11 @@ std::string SummaryOf(const Inspection& inspection) {
     }
     return std::pair(count, names);
   };
-  if (const auto [dead, names] = named("dead"); dead > 0) {
-    text += fmt::format(": {} dead ({})", dead, names);
-  }
+  const auto [dead, dead_names] = named("dead");
+  if (dead > 0) text += fmt::format(": {} dead ({})", dead, dead_names);
   if (const auto [still, names] = named("no_movement"); still > 0) {
-    text += fmt::format(": {} {} not move ({})", still, still == 1 ? "does" : "do", names);
+    text += fmt::format("{} {} {} not move ({})", dead > 0 ? "," : ":", still,
+                        still == 1 ? "does" : "do", names);
   }
   return text;
 }
@@ -139,6 +139,11 @@ std::string HealthText(const Inspection& inspection) {
     text +=
         fmt::format("{:<{}}  {}\n", ShownName(inspection, finding.column), width, finding.sentence);
   }
+  const std::string noise = NoiseText(inspection);
+  return noise.empty() ? text : text + noise + "\n";
+}
+
+std::string NoiseText(const Inspection& inspection) {
   double least_deg = std::numeric_limits<double>::infinity(), most_deg = 0.0;
   double least = least_deg, most = 0.0;
   for (const std::size_t c : inspection.MappedColumns()) {
@@ -149,16 +154,16 @@ std::string HealthText(const Inspection& inspection) {
     least_deg = std::min(least_deg, noise_deg);
     most_deg = std::max(most_deg, noise_deg);
   }
-  if (most == 0.0) return text;
+  if (most == 0.0) return "";
   const auto range = [](double low, double high) {
     const std::string from = fmt::format("{:.2g}", low), to = fmt::format("{:.2g}", high);
     return from == to ? to : from + " to " + to;
   };
-  text += fmt::format("noise {} {}", range(least, most), NameOf(inspection.unit));
+  std::string text = fmt::format("noise {} {}", range(least, most), NameOf(inspection.unit));
   if (inspection.unit != RawUnit::kDegrees) {
     text += fmt::format(", {} deg of the joints", range(least_deg, most_deg));
   }
-  return text + "\n";
+  return text;
 }
 
 ResultTable ColumnsTable(const Inspection& inspection, bool is_verbose) {

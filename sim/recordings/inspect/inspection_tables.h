@@ -15,6 +15,8 @@ ResultTable ColumnsTable(const Inspection& inspection, bool is_verbose);
 ResultTable TopicsTable(const std::vector<ListedTopic>& topics);
 /// Lines about sensors with a defect, the worst first, and the noise of the others.
 std::string HealthText(const Inspection& inspection);
+/// "noise 3 to 4.2 counts, 0.48 to 0.8 deg of the joints"; empty without joints or noise.
+std::string NoiseText(const Inspection& inspection);
 /// The answer in one line: "5 sensors, 60 Hz, counts: 2 dead (index_pip, little_pip)".
 std::string SummaryOf(const Inspection& inspection);
 /// Evidence for the joints: "by name", "by order, assumed", ..

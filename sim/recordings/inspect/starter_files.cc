@@ -86,34 +86,6 @@ std::string MappedCells(const Inspection& inspection, const InspectedColumn& col
                      mapping.scale < 0.0 ? "-1" : "1");
 }
 
-/// Guesses in a column's angle, as words of the map.
-std::string AssumedOf(const Inspection& inspection, const InspectedColumn& column) {
-  std::string words;
-  const auto add = [&words](bool is_assumed, const char* word) {
-    if (is_assumed) words += (words.empty() ? "" : " ") + std::string(word);
-  };
-  const bool is_mapped = !column.mappings.empty();
-  const bool is_joint_assumed =
-      column.basis == JointBasis::kAssumed ||
-      (is_mapped && column.mappings.front().assumed.find("joint") != std::string::npos);
-  add(is_joint_assumed && !column.channel.empty(), "joint");
-  const bool is_range =
-      is_mapped ? TakesRangeOfFile(column.mappings.front()) : NeedsTwoPoints(inspection.unit);
-  if (is_mapped) {
-    const std::string& given = column.mappings.front().assumed;
-    for (const char* word : {"unit", "sign"}) add(given.find(word) != given.npos, word);
-    add(is_range || given.find("range") != given.npos, "range");
-  } else {
-    add(inspection.unit_is_assumed, "unit");
-    const bool has_no_sign =
-        inspection.unit == RawUnit::kShare || (is_range && column.quantity != Quantity::kMuscle);
-    add(inspection.sign_is_assumed || has_no_sign, "sign");
-    add(is_range, "range");
-  }
-  add(inspection.rate_is_assumed, "rate");
-  return words;
-}
-
 /// True if the recorded counts reach the controllers: see OwnCountsOf.
 bool HasOwnCounts(const Inspection& inspection) {
   return inspection.unit == RawUnit::kCounts &&
@@ -368,6 +340,33 @@ std::string HeadOfMap(const Inspection& inspection) {
 }
 
 }  // namespace
+
+std::string AssumedOf(const Inspection& inspection, const InspectedColumn& column) {
+  std::string words;
+  const auto add = [&words](bool is_assumed, const char* word) {
+    if (is_assumed) words += (words.empty() ? "" : " ") + std::string(word);
+  };
+  const bool is_mapped = !column.mappings.empty();
+  const bool is_joint_assumed =
+      column.basis == JointBasis::kAssumed ||
+      (is_mapped && column.mappings.front().assumed.find("joint") != std::string::npos);
+  add(is_joint_assumed && !column.channel.empty(), "joint");
+  const bool is_range =
+      is_mapped ? TakesRangeOfFile(column.mappings.front()) : NeedsTwoPoints(inspection.unit);
+  if (is_mapped) {
+    const std::string& given = column.mappings.front().assumed;
+    for (const char* word : {"unit", "sign"}) add(given.find(word) != given.npos, word);
+    add(is_range || given.find("range") != given.npos, "range");
+  } else {
+    add(inspection.unit_is_assumed, "unit");
+    const bool has_no_sign =
+        inspection.unit == RawUnit::kShare || (is_range && column.quantity != Quantity::kMuscle);
+    add(inspection.sign_is_assumed || has_no_sign, "sign");
+    add(is_range, "range");
+  }
+  add(inspection.rate_is_assumed, "rate");
+  return words;
+}
 
 std::string YamlText(const std::string& text) {
   std::string quoted = "\"";

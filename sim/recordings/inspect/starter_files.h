@@ -18,4 +18,7 @@ std::string YamlText(const std::string& text);
 std::string StarterScenario(const Inspection& inspection, const std::string& recording,
                             const std::string& map);
 
+/// Guesses in the angle of a column, as words of the map: "joint unit".
+std::string AssumedOf(const Inspection& inspection, const InspectedColumn& column);
+
 }  // namespace gauntlet::sim
