@@ -249,7 +249,7 @@ std::string MapBeside(const std::string& recording) {
 std::string AnsweredMap(const Inspection& inspection, const InspectionOptions& asked,
                         const std::string& map, const InspectOptions& options) {
   if (options.json || ColumnsToName(inspection).empty() || !CanAsk()) return "";
-  const std::string target = map.empty() ? MapBeside(options.file) : map;
+  std::string target = map.empty() ? MapBeside(options.file) : map;
   try {
     CheckTargets(target, options);
   } catch (const UserError& error) {  // the answer would be lost
