@@ -279,6 +279,22 @@ std::string UnitIn(const NamedArray& texts) {
   return unit == "deg" || unit == "degree" || unit == "degrees" ? "deg" : "";
 }
 
+/// Numbers the points of hands in the names of columns: three coordinates of 21 to 27 points, of
+/// one or more hands.
+void NamePoints(NamedArray& array, const std::vector<std::size_t>& shape,
+                const std::vector<std::size_t>& axes) {
+  const auto size = [&](std::size_t from_end) { return shape[axes[axes.size() - from_end]]; };
+  if (shape.size() < 3 || shape.size() > 4 || size(1) != 3 || size(2) < 21 || size(2) > 27) return;
+  const std::size_t hands = shape.size() == 4 ? size(3) : 1;
+  for (std::size_t i = 0; i < hands * size(2); ++i) {
+    const std::string hand = hands > 1 ? fmt::format("_{}", i / size(2) + 1) : "";
+    for (const char axis : {'x', 'y', 'z'}) {
+      array.column_names.push_back(
+          fmt::format("{}{}_{}_{}", array.name, hand, i % size(2) + 1, axis));
+    }
+  }
+}
+
 }  // namespace
 
 void SetValues(NamedArray& array, std::vector<double> values, std::vector<std::size_t> shape,
@@ -304,6 +320,7 @@ void SetValues(NamedArray& array, std::vector<double> values, std::vector<std::s
         axes.size() == 3 && shape[axes[1]] == kCoordinates && shape[axes[2]] > kCoordinates;
     if (has_coordinates_first) std::swap(axes[1], axes[2]);
   }
+  NamePoints(array, shape, axes);
   array.rows = shape[axes.front()];
   array.columns = stride / std::max<std::size_t>(array.rows, 1);
   const bool is_in_place =

@@ -263,18 +263,21 @@ TEST(KeypointLayout, LeavesOtherTablesAlone) {
   }
 }
 
-TEST(FindKeypoints, TakesTwiceAsManyNumbersForTwoHands) {
+TEST(FindKeypoints, TakesAListThatIsCalledLandmarks) {
   std::vector<std::string> names = {"time_s"};
-  for (int i = 1; i <= 126; ++i) names.push_back(fmt::format("value_{}", i));
+  for (int i = 1; i <= 3 * kKeypoints; ++i) names.push_back(fmt::format("landmarks_{}", i));
   const KeypointLayout layout = FindKeypoints(names);
-  EXPECT_EQ(layout.problem, "");
-  ASSERT_EQ(layout.hands.size(), 2U);
-  EXPECT_TRUE(layout.hands[0].is_of_pair && layout.hands[1].is_of_pair);
-  EXPECT_EQ(layout.hands[0].position[0][0], 1U);
-  EXPECT_EQ(layout.hands[1].position[20][2], 126U);
-  EXPECT_EQ(FindKeypoints(std::vector<std::string>(128)).hands.size(), 2U);  // without names
+  ASSERT_EQ(layout.hands.size(), 1U);
+  EXPECT_EQ(names[layout.hands[0].position[8][1]], "landmarks_26");
   names.pop_back();
   EXPECT_TRUE(FindKeypoints(names).hands.empty());
+}
+
+TEST(FindKeypoints, LeavesNumbersWithoutAxesToAQuestion) {
+  std::vector<std::string> names = {"time_s"};
+  for (int i = 1; i <= 3 * kKeypoints; ++i) names.push_back(fmt::format("value_{}", i));
+  EXPECT_TRUE(FindKeypoints(names).hands.empty());
+  EXPECT_TRUE(FindKeypoints(std::vector<std::string>(3 * kKeypoints)).hands.empty());
 }
 
 // --- Files ---------------------------------------------------------------------------------------
@@ -347,8 +350,6 @@ TEST_F(KeypointFiles, OfTextAreReadInEveryForm) {
   std::string rows = "Time,Hand,Joint,Position_X,Position_Y,Position_Z\n";
   // Lines of Hand Tracking Streamer.
   std::string lines;
-  // 63 numbers without names, with a time in front.
-  std::string nameless;
   for (int k = 0; k < 60; ++k) {
     const HandPoints& frame = points_[static_cast<std::size_t>(k)];
     wide += fmt::format("\n{}", 20 * k);
@@ -364,13 +365,10 @@ TEST_F(KeypointFiles, OfTextAreReadInEveryForm) {
     }
     lines += "Right wrist:, 0, 0, 0, 0, 0, 0, 1\n";
     lines += fmt::format("Right landmarks | f = {} | t = {}:", k, 20000000LL * k);
-    nameless += fmt::format("{:.3f}", 0.02 * k);
     for (int i = 0; i < kKeypoints; ++i) {
       lines += ", " + CellsOf(frame, i, ", ");
-      nameless += "," + CellsOf(frame, i);
     }
     lines += "\n";
-    nameless += "\n";
   }
   ExpectAngles(TableOf(Written("wide.csv", wide + "\n")));
   const AngleTable both = TableOf(Written("rows.csv", rows));
@@ -381,9 +379,6 @@ TEST_F(KeypointFiles, OfTextAreReadInEveryForm) {
   const AngleTable streamed = TableOf(Written("lines.txt", lines));
   ExpectAngles(streamed);
   EXPECT_EQ(streamed.columns.at("timestamp_ns")[2], 4e7);
-  const AngleTable assumed = TableOf(Written("nameless.csv", nameless));
-  ExpectAngles(assumed);
-  EXPECT_THAT(assumed.remarks, HasSubstr("MediaPipe (assumed) [m]"));
 }
 
 TEST_F(KeypointFiles, OfTwoHandsInOneRowHaveTheirSidesByTheirShape) {
@@ -477,7 +472,11 @@ TEST_F(KeypointFiles, OfNumpyAreReadByTheLengthsOfBones) {
       }
     }
   }
-  ExpectAngles(TableOf(Written("points.npy", npy("(60, 21, 3)", values))));
+  const AngleTable assumed = TableOf(Written("points.npy", npy("(60, 21, 3)", values)));
+  ExpectAngles(assumed);
+  EXPECT_THAT(assumed.remarks, HasSubstr("MediaPipe (assumed) [m]"));
+  // The shape is one fact, the bones are the other. Without the shape they are so many numbers.
+  EXPECT_EQ(TableOf(Written("flat.npy", npy("(60, 63)", values))).columns.size(), 63U);
   // In another order the bones change their lengths: so many sensors of an unknown kind.
   const AngleTable other = TableOf(Written("shuffled.npy", npy("(60, 21, 3)", shuffled)));
   EXPECT_EQ(other.columns.size(), 63U);

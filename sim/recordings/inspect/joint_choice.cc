@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -335,6 +336,12 @@ bool ChooseByNames(const JointEvidence& evidence, const JointOptions& options,
   return true;
 }
 
+/// True for as many values as x, y and z of 21, 25 or 26 points have, of one hand or two.
+bool MayBePoints(std::size_t columns) {
+  return std::ranges::any_of(std::array{63U, 75U, 78U, 126U, 150U, 156U},
+                             [columns](std::size_t points) { return columns == points; });
+}
+
 /// Joints of sensors without names.
 void ChooseByNumber(const JointEvidence& evidence, const JointOptions& options,
                     const std::vector<Profile>& profiles, JointChoice& choice) {
@@ -375,10 +382,14 @@ void ChooseByNumber(const JointEvidence& evidence, const JointOptions& options,
   choice.question = fmt::format(
       "{}: {} [{}], {}{}", ColumnsText(family.columns), SensorsText(family.columns.size()),
       NameOf(choice.unit), family.facts.is_even ? "whose joints are unknown" : "of different sizes",
-      family.columns.size() > 2 * KnownChannels().size()
+      family.columns.size() > 2 * KnownChannels().size() && !MayBePoints(family.columns.size())
           ? ", more than a hand has; if a row is a window of samples, write one sample "
             "a row"
           : "");
+  if (MayBePoints(family.columns.size())) {
+    choice.question +=
+        "; x, y, z of the points of a hand are read by their names, landmark_0_x to landmark_20_z";
+  }
   choice.asks_joints = true;
   constexpr std::size_t kMost = 4;  // more say nothing
   const auto possible = known.empty()

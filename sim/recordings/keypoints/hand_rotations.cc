@@ -31,28 +31,21 @@ constexpr int kProximal = 1;
 constexpr int kMiddle = 2;
 constexpr int kDistal = 3;
 
-/// How the quaternions of a file are read.
-struct Reading {
-  bool w_first = true;
-  bool is_local = false;
-};
-
 /// The bones that a file has, as they are read.
 class TurnedHand {
  public:
-  TurnedHand(const std::vector<HandRotations>& frames, const RotationColumns& columns,
-             const Reading& reading)
-      : frames_(frames), columns_(columns), reading_(reading) {}
+  TurnedHand(const std::vector<HandRotations>& frames, const RotationColumns& columns)
+      : frames_(frames), columns_(columns) {}
 
-  const Reading& reading() const { return reading_; }
   bool Has(int bone) const { return columns_.bone[static_cast<std::size_t>(bone)].has_value(); }
   /// True if the parents of all bones are there, so the hand.
-  bool HasParents() const { return reading_.is_local || Has(0); }
+  bool HasParents() const { return IsLocal() || Has(0); }
+  bool IsLocal() const { return columns_.space == Space::kLocal; }
 
   /// Rotation relative to the parent.
   Quaterniond Relative(std::size_t frame, int digit, int bone) const {
     Quaterniond r = At(frame, TurnedBone(digit, bone));
-    if (!reading_.is_local) r = At(frame, ParentOf(digit, bone)).conjugate() * r;
+    if (!IsLocal()) r = At(frame, ParentOf(digit, bone)).conjugate() * r;
     if (r.w() < 0.0) r.coeffs() *= -1.0;
     return r;
   }
@@ -60,10 +53,7 @@ class TurnedHand {
  private:
   Quaterniond At(std::size_t frame, int bone) const {
     const auto values = frames_[frame].col(bone);
-    const Quaterniond q = reading_.w_first
-                              ? Quaterniond(values[0], values[1], values[2], values[3])
-                              : Quaterniond(values[3], values[0], values[1], values[2]);
-    return q.normalized();
+    return Quaterniond(values[0], values[1], values[2], values[3]).normalized();
   }
   int ParentOf(int digit, int bone) const {
     if (bone == kMetacarpal) return 0;
@@ -76,7 +66,6 @@ class TurnedHand {
 
   const std::vector<HandRotations>& frames_;
   const RotationColumns& columns_;
-  Reading reading_;
 };
 
 Vector3d RotationVector(const Quaterniond& q) {
@@ -186,59 +175,26 @@ std::vector<bool> FramesWithoutRotations(const std::vector<HandRotations>& frame
   return is_lost;
 }
 
-/// The only right way to read the rotations.
-Reading ReadingOf(const std::vector<HandRotations>& frames, const RotationColumns& columns,
-                  const std::vector<std::size_t>& measured) {
+/// Errors: UserError without a place if the fingers do not bend as those of a hand.
+void CheckBending(const TurnedHand& hand, const std::vector<std::size_t>& measured) {
   constexpr double kLeastBend_rad = 5.0 * kRadPerDeg;
   constexpr std::size_t kMostFrames = 2000;
   std::vector<std::size_t> some;
   const std::size_t step = 1 + (measured.size() - 1) / kMostFrames;
   for (std::size_t i = 0; i < measured.size(); i += step) some.push_back(measured[i]);
-  std::vector<Reading> right;
-  bool any_straight = false, has_parents = false;
-  for (const bool w_first : {true, false}) {
-    if (columns.has_component_names && !w_first) continue;
-    for (const bool is_local : {true, false}) {
-      if (columns.space == (is_local ? Space::kWorld : Space::kLocal)) continue;
-      const TurnedHand hand(frames, columns, {.w_first = w_first, .is_local = is_local});
-      if (!hand.HasParents()) continue;
-      has_parents = true;
-      double least_rad = 1e9;
-      for (int finger = kIndex; finger <= kLittle; ++finger) {
-        least_rad = std::min(least_rad, HingeOf(hand, some, finger).rms_rad);
-      }
-      const bool is_straight = least_rad <= kLeastBend_rad;
-      any_straight = any_straight || is_straight;
-      if (!is_straight && IsPlausible(hand, some)) right.push_back(hand.reading());
-    }
-  }
-  if (!has_parents) {
+  if (!hand.HasParents()) {
     throw UserError("the rotations are relative to the world, and that of the wrist is missing");
   }
-  if (right.empty() && any_straight) {
+  for (int finger = kIndex; finger <= kLittle; ++finger) {
+    if (HingeOf(hand, some, finger).rms_rad > kLeastBend_rad) continue;
     throw UserError(
         "the fingers hardly bend, so the direction of flexion is unknown; record a fist, too");
   }
-  if (right.empty()) {
-    throw UserError(fmt::format(
-        "the fingers do not bend about one axis each, relative to the bone before: the rotations "
-        "are not those of a hand's bones{}",
-        columns.has_component_names
-            ? ""
-            : ", or the order of their components is another than w, x, y, z or x, y, z, w"));
-  }
-  if (right.size() > 1) {
-    const bool is_order = right.front().w_first != right.back().w_first;
-    throw UserError(fmt::format(
-        "the rotations bend the fingers {}; {}",
-        is_order ? "with w as the first and as the last component"
-                 : "relative to the bone before and relative to the world",
-        is_order
-            ? "name the columns .._qw, .._qx, .._qy, .._qz"
-            : "write local or world into the names of the columns, as index_proximal_local_qw, "
-              "or record a fist, too"));
-  }
-  return right.front();
+  if (IsPlausible(hand, some)) return;
+  throw UserError(fmt::format(
+      "the fingers do not bend about one axis each: the rotations are not those of a hand's bones, "
+      "or not relative to the {}; write local or world into the names of the columns",
+      hand.IsLocal() ? "bone before" : "world"));
 }
 
 /// Axes of the bones as OpenXR has them.
@@ -309,7 +265,14 @@ AnglesOfBones AnglesOf(const std::vector<HandRotations>& frames, const KeypointC
        {"middle_mcp", "middle_pip", "middle_dip"},
        {"ring_mcp", "ring_pip", "ring_dip"},
        {"little_mcp", "little_pip", "little_dip"}}};
-  const RotationColumns& rotations = columns.rotations.value();
+  RotationColumns rotations = columns.rotations.value();
+  const bool is_by_name = rotations.space != Space::kUnknown;
+  if (!is_by_name && !rotations.has_openxr_names) {
+    throw UserError(
+        "has rotations of bones, relative to the bone before or to the world; write local or world "
+        "into the names of the columns, as index_proximal_local_qw");
+  }
+  if (!is_by_name) rotations.space = Space::kWorld;
   AnglesOfBones result;
   result.is_lost = FramesWithoutRotations(frames, rotations);
   std::vector<std::size_t> measured;
@@ -317,7 +280,8 @@ AnglesOfBones AnglesOf(const std::vector<HandRotations>& frames, const KeypointC
     if (!result.is_lost[k]) measured.push_back(k);
   }
   if (measured.empty()) throw UserError("no row has the rotations of all bones");
-  const TurnedHand hand(frames, rotations, ReadingOf(frames, rotations, measured));
+  const TurnedHand hand(frames, rotations);
+  CheckBending(hand, measured);
   std::vector<Hinge> hinges;
   for (int digit = kThumb; digit <= kLittle; ++digit) {
     hinges.push_back(HingeOf(hand, measured, digit));
@@ -373,14 +337,10 @@ AnglesOfBones AnglesOf(const std::vector<HandRotations>& frames, const KeypointC
   const double lost = static_cast<double>(frames.size() - measured.size());
   const std::string of = columns.hand.empty() ? "" : columns.hand + " hand: ";
   result.remarks.push_back(fmt::format(
-      "rotations of the bones of a{} hand, {}, relative to the {} ({}), components by {}; {:.2g} % "
-      "of the frames lost",
+      "rotations of the bones of a{} hand, {}, relative to the {} ({}); {:.2g} % of the frames "
+      "lost",
       columns.hand.empty() ? "" : " " + columns.hand, columns.skeleton,
-      hand.reading().is_local ? "bone before" : "world",
-      rotations.space != Space::kUnknown ? "by the names" : "by the bending of the fingers",
-      rotations.has_component_names ? "name"
-      : hand.reading().w_first      ? "the bending, w first"
-                                    : "the bending, w last",
+      hand.IsLocal() ? "bone before" : "world", is_by_name ? "by the names" : "as OpenXR has them",
       100.0 * lost / static_cast<double>(frames.size())));
   result.remarks.push_back(fmt::format(
       "{}fingers bend about ({:.2f}, {:.2f}, {:.2f}), digits rotate up to {:.1f} % about other "

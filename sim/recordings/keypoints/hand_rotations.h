@@ -33,10 +33,9 @@ struct AnglesOfBones {
 /// The fingers bend more than they extend, so h points to flexion: its sign needs no handedness of
 /// axes. The parent of a proximal bone is the metacarpal, or the hand where a file has none.
 ///
-/// Found where not named: the order of the components (w first or last), and whether the
-/// rotations are relative to the parent or to the world. Right is the only reading in which
-/// all fingers bend about one axis each, in the ranges of a finger. Rotations of joints that are
-/// straight are assumed to be equal.
+/// `local` or `world` in the names says what rotations are relative to. Without either, those with
+/// names of OpenXR are relative to the world. Rotations of joints that are straight are assumed to
+/// be equal.
 ///
 /// Names of OpenXR, and an axis of bending along x within 15 deg, tell the other axes: b = -z (or
 /// z, if h points to x) to the tip, y out of the back of the hand. l = y x b, with the sign that
@@ -51,8 +50,8 @@ struct AnglesOfBones {
 /// Other files have no channels for these.
 /// Sources: swing and twist, Dobrowolski, Swing-twist decomposition in Clifford algebra,
 /// arXiv:1506.05481; axes, OpenXR 1.0, XR_EXT_hand_tracking.
-/// Errors: UserError without a place if all frames are lost, no reading or more than one is right,
-/// or the fingers never bend.
+/// Errors: UserError without a place if all frames are lost, the names do not say what rotations
+/// are relative to, or the fingers do not bend about one axis each in the ranges of a finger.
 AnglesOfBones AnglesOf(const std::vector<HandRotations>& frames, const KeypointColumns& columns);
 
 }  // namespace gauntlet::sim

@@ -121,13 +121,8 @@ std::vector<int> QuaternionComponents(const std::vector<std::string>& names) {
 /// Removes the component of a rotation, and what the name says of it.
 void TakeRotation(NameWords& words, int component, ColumnParts& parts) {
   parts.part = Part::kRotation;
-  if (component >= 0) {
-    parts.component = component;
-    parts.number = TakeQuaternionComponent(words).number;
-  } else {
-    parts.place = NumberIn(words.back());
-    words.pop_back();
-  }
+  parts.component = component;
+  parts.number = TakeQuaternionComponent(words).number;
   static constexpr std::string_view kLocal = "local relative parent";
   static constexpr std::string_view kWorld = "world global absolute";
   if (HasWordOf(words, kLocal)) parts.space = Space::kLocal;
@@ -139,11 +134,7 @@ void TakeRotation(NameWords& words, int component, ColumnParts& parts) {
 
 /// Removes the axis, or the number of the value, and says of what.
 void TakeComponent(NameWords& words, int quaternion_component, ColumnParts& parts) {
-  const bool is_place_of_quaternion =
-      words.size() >= 2 && NumberIn(words.back()) >= 0 &&
-      HasWordOf(words, "rot rotation quat quaternion orientation") &&
-      !HasWordOf(words, "euler vel velocity acc acceleration angular gyro angle");
-  if (quaternion_component >= 0 || is_place_of_quaternion) {
+  if (quaternion_component >= 0) {
     TakeRotation(words, quaternion_component, parts);
     return;
   }
@@ -396,6 +387,11 @@ std::string SkeletonOf(std::size_t joints) {
   return fmt::format("{} in the order of WebXR and ARKit", joints);
 }
 
+/// True for words of the points of a hand.
+bool NamesPoints(const std::string& stem) {
+  return HasWordOf(WordsOf(stem), "landmark landmarks keypoint keypoints lm kp handmarks");
+}
+
 /// A hand of joints that are numbered from 0 or 1, each with its values.
 std::optional<FoundHand> NumberedHand(const GroupKey& key, const std::vector<NamedColumn>& group) {
   std::map<int, std::vector<NamedColumn>> columns_of;
@@ -406,8 +402,7 @@ std::optional<FoundHand> NumberedHand(const GroupKey& key, const std::vector<Nam
   if (order.empty() || !is_row || first > 1) return std::nullopt;
   FoundHand hand{.columns = {.hand = key.first, .skeleton = SkeletonOf(columns_of.size())},
                  .stem = key.second};
-  hand.columns.is_named = HasWordOf(
-      WordsOf(key.second), "landmark landmarks keypoint keypoints joint joints lm kp handmarks");
+  hand.columns.is_named = NamesPoints(key.second);
   for (const NamedColumn& column : group) hand.columns.all.push_back(column.column);
   for (int keypoint = 0; keypoint < kKeypoints; ++keypoint) {
     const auto position = PositionIn(columns_of[first + order[static_cast<std::size_t>(keypoint)]],
@@ -418,77 +413,17 @@ std::optional<FoundHand> NumberedHand(const GroupKey& key, const std::vector<Nam
   return hand;
 }
 
-/// A hand whose values are numbered one after the other: x, y, z of each joint.
-std::optional<FoundHand> OneFlatHand(const GroupKey& key, std::vector<std::size_t> columns) {
-  const std::size_t joints = columns.size() / 3;
-  const std::vector<int> order = OrderOf(joints);
-  if (columns.size() % 3 != 0 || order.empty()) return std::nullopt;
-  FoundHand hand{.columns = {.hand = key.first,
-                             .skeleton = SkeletonOf(joints),
-                             .all = std::move(columns),
-                             .is_named = false},
-                 .stem = key.second};
-  for (int keypoint = 0; keypoint < kKeypoints; ++keypoint) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto joint = static_cast<std::size_t>(order[static_cast<std::size_t>(keypoint)]);
-      hand.columns.position[static_cast<std::size_t>(keypoint)][axis] =
-          hand.columns.all[3 * joint + axis];
-    }
-  }
-  return hand;
-}
-
-/// One such hand, or two, one behind the other.
-std::vector<FoundHand> FlatHands(const GroupKey& key, const std::vector<std::size_t>& columns) {
-  if (auto hand = OneFlatHand(key, columns)) return {std::move(*hand)};
-  if (columns.size() % 2 != 0) return {};
-  const auto middle = columns.begin() + std::ssize(columns) / 2;
-  auto first = OneFlatHand(key, {columns.begin(), middle});
-  auto second = OneFlatHand(key, {middle, columns.end()});
-  if (!first || !second) return {};
-  return {std::move(*first), std::move(*second)};
-}
-
-/// Values in the order of their numbers, if these are a row from 0 or 1.
-std::vector<FoundHand> FlatHandsOf(const GroupKey& key, const std::vector<NamedColumn>& group) {
-  std::map<int, std::size_t> by_place;
-  for (const NamedColumn& column : group) by_place.emplace(column.parts.place, column.column);
-  const int first = by_place.begin()->first;
-  if (by_place.size() != group.size() || first > 1 ||
-      by_place.rbegin()->first - first + 1 != std::ssize(by_place)) {
-    return {};
-  }
-  std::vector<std::size_t> columns;
-  for (const auto& [place, column] : by_place) columns.push_back(column);
-  return FlatHands(key, columns);
-}
-
-/// A table without names: all columns but at most four in front.
-std::vector<FoundHand> NamelessHands(std::size_t columns) {
-  constexpr std::size_t kMostBefore = 4;
-  for (const std::size_t joints : {21U, 25U, 26U, 42U, 50U, 52U}) {
-    if (columns < 3 * joints || columns > 3 * joints + kMostBefore) continue;
-    std::vector<std::size_t> all(3 * joints);
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] = columns - 3 * joints + i;
-    return FlatHands({}, all);
-  }
-  return {};
-}
-
 // --- Rotations -----------------------------------------------------------------------------------
 
 /// Columns of the quaternion of one bone; none if a component is missing or there twice.
 std::optional<std::array<std::size_t, 4>> QuaternionIn(const std::vector<NamedColumn>& columns) {
   std::array<std::size_t, 4> quaternion = {};
-  std::map<int, std::size_t> by_place;
+  std::set<int> components;
   for (const NamedColumn& column : columns) {
-    by_place.emplace(std::max(column.parts.component, column.parts.place), column.column);
+    components.insert(column.parts.component);
+    quaternion[static_cast<std::size_t>(column.parts.component)] = column.column;
   }
-  if (columns.size() != 4 || by_place.size() != 4) return std::nullopt;
-  const int first = by_place.begin()->first;
-  if (first > 1 || by_place.rbegin()->first - first != 3) return std::nullopt;
-  for (const auto& [place, column] : by_place)
-    quaternion[static_cast<std::size_t>(place - first)] = column;
+  if (columns.size() != 4 || components.size() != 4) return std::nullopt;
   return quaternion;
 }
 
@@ -513,7 +448,6 @@ std::optional<FoundHand> TurnedHand(const GroupKey& key, const std::vector<Named
     quaternion = QuaternionIn(of_bone);
     if (!quaternion) continue;
     const ColumnParts& parts = of_bone.front().parts;
-    rotations.has_component_names = parts.component >= 0;
     rotations.has_openxr_names = rotations.has_openxr_names || parts.has_openxr_word;
     rotations.space = parts.space;
   }
@@ -555,40 +489,10 @@ std::optional<FoundHand> NamedTurnedHand(const GroupKey& key,
   return hand;
 }
 
-/// Hand of 25 to 27 joints with metacarpals, which are numbered from 0 or 1.
-std::optional<FoundHand> NumberedTurnedHand(const GroupKey& key,
-                                            const std::vector<NamedColumn>& group) {
-  std::map<int, std::vector<NamedColumn>> columns_at;
-  for (const NamedColumn& column : group) {
-    if (column.parts.part == Part::kRotation) columns_at[column.parts.number].push_back(column);
-  }
-  const std::vector<int> order = OrderOf(columns_at.size());
-  if (order.empty() || columns_at.size() == kKeypoints) return std::nullopt;
-  const int first = columns_at.begin()->first;
-  if (first > 1 || columns_at.rbegin()->first - first + 1 != std::ssize(columns_at)) {
-    return std::nullopt;
-  }
-  std::map<int, std::vector<NamedColumn>> columns_of;
-  columns_of[0] = columns_at[first + order[0]];
-  for (int digit = 0; digit < kDigitsOfHand; ++digit) {
-    const int base = first + order[static_cast<std::size_t>(KeypointOf(digit, 0))];
-    for (int bone = 0; bone < kBonesOfDigit; ++bone) {
-      if (digit == 0 && bone == 2) continue;
-      const int joint = digit > 0 ? bone - 1 : bone == 3 ? 2 : bone;
-      columns_of[TurnedBone(digit, bone)] = columns_at[base + joint];
-    }
-  }
-  auto hand = TurnedHand(key, group, columns_of);
-  if (!hand) return std::nullopt;
-  hand->columns.skeleton = SkeletonOf(columns_at.size());
-  hand->columns.rotations->has_openxr_names = true;
-  return hand;
-}
-
 // --- Hands ---------------------------------------------------------------------------------------
 
 std::vector<FoundHand> HandsOf(const std::vector<ColumnParts>& columns) {
-  std::map<GroupKey, std::vector<NamedColumn>> named, numbered, flat;
+  std::map<GroupKey, std::vector<NamedColumn>> named, numbered, listed;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const ColumnParts& parts = columns[c];
     const GroupKey key(parts.hand, parts.stem);
@@ -596,8 +500,8 @@ std::vector<FoundHand> HandsOf(const std::vector<ColumnParts>& columns) {
       named[key].push_back({c, parts});
     } else if (parts.number >= 0) {
       numbered[key].push_back({c, parts});
-    } else if (parts.part == Part::kPosition && parts.place >= 0) {
-      flat[key].push_back({c, parts});
+    } else if (parts.part == Part::kPosition && NamesPoints(key.second)) {
+      listed[key].push_back({c, parts});
     }
   }
   std::vector<FoundHand> hands;
@@ -606,12 +510,18 @@ std::vector<FoundHand> HandsOf(const std::vector<ColumnParts>& columns) {
   };
   for (const auto& [key, group] : named) add(NamedHand(key, group));
   for (const auto& [key, group] : numbered) add(NumberedHand(key, group));
-  for (const auto& [key, group] : flat) {
-    for (FoundHand& hand : FlatHandsOf(key, group)) hands.push_back(std::move(hand));
+  for (auto& [key, group] :
+       listed) {  // landmarks_1 to landmarks_63: x, y, z of one after the other
+    std::ranges::sort(group, {}, [](const NamedColumn& column) { return column.parts.place; });
+    for (NamedColumn& column : group) {
+      const int value = column.parts.place - std::clamp(group.front().parts.place, 0, 1);
+      column.parts.number = value / 3;
+      column.parts.component = value % 3;
+    }
+    add(NumberedHand(key, group));
   }
   if (!hands.empty()) return hands;
   for (const auto& [key, group] : named) add(NamedTurnedHand(key, group));
-  for (const auto& [key, group] : numbered) add(NumberedTurnedHand(key, group));
   return hands;
 }
 
@@ -631,18 +541,15 @@ void PreferWorld(std::vector<FoundHand>& hands) {
   all.insert(all.end(), others.begin(), others.end());
 }
 
-/// Marks two hands without names in one row of numbers, or in two that are numbered (`value 1` and
-/// `value 2`). False for others.
-bool MarkPair(std::vector<FoundHand>& hands) {
+/// True for two hands that are numbered, as `value 1` and `value 2`: their shape tells the side.
+bool ArePair(const std::vector<FoundHand>& hands) {
   const auto base = [](const FoundHand& hand) {
     return hand.stem.substr(0, hand.stem.find_last_not_of("0123456789") + 1);
   };
-  if (hands.size() != 2 || base(hands[0]) != base(hands[1])) return false;
-  for (const FoundHand& hand : hands) {
-    if (hand.columns.is_named || hand.columns.rotations || !hand.columns.hand.empty()) return false;
-  }
-  for (FoundHand& hand : hands) hand.columns.is_of_pair = true;
-  return true;
+  return hands.size() == 2 && base(hands[0]) == base(hands[1]) &&
+         std::ranges::all_of(hands, [](const FoundHand& hand) {
+           return hand.columns.hand.empty() && !hand.columns.rotations;
+         });
 }
 
 std::string NameOfHand(const FoundHand& hand) {
@@ -674,14 +581,6 @@ std::string KeypointName(int keypoint) {
 
 KeypointLayout FindKeypoints(const std::vector<std::string>& names, Quaternions quaternions) {
   KeypointLayout layout;
-  const bool is_nameless =
-      std::ranges::all_of(names, [](const std::string& name) { return name.empty(); });
-  if (is_nameless) {
-    std::vector<FoundHand> hands = NamelessHands(names.size());
-    MarkPair(hands);
-    for (FoundHand& hand : hands) layout.hands.push_back(std::move(hand.columns));
-    return layout;
-  }
   std::vector<ColumnParts> columns;
   std::vector<int> quaternion_component(names.size(), -1);
   if (quaternions == Quaternions::kTaken) quaternion_component = QuaternionComponents(names);
@@ -700,8 +599,7 @@ KeypointLayout FindKeypoints(const std::vector<std::string>& names, Quaternions 
         fmt::join(hand.missing, ", "));
     return layout;
   }
-  const bool is_pair = MarkPair(hands);
-  for (std::size_t i = is_pair ? 2 : 1; i < hands.size(); ++i) {
+  for (std::size_t i = ArePair(hands) ? 2 : 1; i < hands.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       if (hands[i].columns.hand != hands[k].columns.hand && !hands[i].columns.hand.empty() &&
           !hands[k].columns.hand.empty()) {

@@ -28,9 +28,7 @@ constexpr int TurnedBone(int digit, int bone) { return 1 + kBonesOfDigit * digit
 /// Columns of the unit quaternions of a hand's bones.
 struct RotationColumns {
   enum class Space { kUnknown, kLocal, kWorld };
-  /// w, x, y, z; as they are numbered, if the names do not tell the components.
-  std::array<std::optional<std::array<std::size_t, 4>>, kTurnedBones> bone = {};
-  bool has_component_names = false;
+  std::array<std::optional<std::array<std::size_t, 4>>, kTurnedBones> bone = {};  // w, x, y, z
   Space space = Space::kUnknown;  // relative to the parent bone or to the world, by the names
   bool has_openxr_names = false;
 };
@@ -44,9 +42,8 @@ struct KeypointColumns {
   std::optional<std::size_t> confidence = {};
   std::vector<std::size_t> all = {};  // of this hand, with rotations and other joints
   double unit_m = 0.0;                // of the positions, by the names; 0: they do not tell
-  bool is_named = true;  // false: by the number of the columns, so the geometry has to agree
+  bool is_named = true;  // false: by the number of the points, so the geometry has to agree
   std::optional<RotationColumns> rotations = {};  // instead of positions
-  bool is_of_pair = false;  // half of one row of numbers, so the geometry has to tell the side
 };
 
 /// Keypoints that the names of a table tell.
@@ -59,8 +56,8 @@ struct KeypointLayout {
 /// Treatment of columns that differ in w, x, y and z only: those of a quaternion, or of a point.
 enum class Quaternions { kTaken, kLeft };
 
-/// Finds the keypoints of hands by the names of columns: a joint and an axis, a number and an axis,
-/// or numbers alone. Known are
+/// Finds the keypoints of hands by the names of columns: a joint and an axis, or a number and an
+/// axis. Known are
 ///
 /// | skeleton           | joints | names                                                       |
 /// |--------------------|--------|-------------------------------------------------------------|
@@ -74,13 +71,12 @@ enum class Quaternions { kTaken, kLeft };
 ///
 /// A joint has 3 values, 7 (position and quaternion) or 16 (a matrix, column by column as ARKit and
 /// WebXR write it; the translation has the places 13 to 15). A unit behind the axis (_m, _cm, _mm)
-/// is that of the column. World landmarks are taken before others. Numbers of a table without names
-/// are 63, 75 or 78 columns, with at most four in front. Twice as many numbers are two hands.
+/// is that of the column. World landmarks are taken before others.
 ///
 /// Without positions, a hand is also the rotations of its bones, one quaternion each: of the same
 /// joints, named after the bone beyond them. A quaternion has columns that differ in w, x, y and z
-/// only (`index_proximal_qw`, `index_proximal.orientation.w`), or four numbers behind `rotation`,
-/// `orientation` or `quaternion`. `local` and `world` in a name tell what it is relative to.
+/// only (`index_proximal_qw`, `index_proximal.orientation.w`). `local` and `world` in a name tell
+/// what it is relative to.
 /// Sources: MediaPipe, hands.md; OpenXR 1.0, XrHandJointEXT; WebXR Hand Input, XRHandJoint;
 /// Apple, ARKit, HandSkeleton.JointName; Manus SDK, FingerJointType.
 KeypointLayout FindKeypoints(const std::vector<std::string>& names,

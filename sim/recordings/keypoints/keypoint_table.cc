@@ -104,49 +104,9 @@ bool AreHands(const KeypointRows& rows, const std::vector<KeypointColumns>& hand
   return true;
 }
 
-/// True if the first rows of a text, if it has enough of them, are not those of hands: then the
-/// rest need not be read.
-bool BeginsWithoutHands(const std::string& name, std::string_view head,
-                        const std::vector<KeypointColumns>& hands) {
-  constexpr std::size_t kEnoughRows = 50;
-  const std::string_view lines = head.substr(0, head.rfind('\n') + 1);
-  const Table table = TableOfText({name, TextSource(lines), ProblemHandling::kRepair});
-  const KeypointRows rows = RowsOf(table, hands);
-  std::size_t whole = 0;
-  for (std::size_t k = 0; k < table.rows; ++k) {
-    whole += std::ranges::all_of(rows.points, [k](const std::vector<HandPoints>& points) {
-      return !points.empty() && points[k].allFinite();
-    });
-  }
-  return whole >= kEnoughRows && !AreHands(rows, hands);
-}
-
-/// Left or right by the geometry; empty for a hand that is in no frame or never bends.
-std::string SideOf(const std::vector<HandPoints>& points, double unit_m) {
-  try {
-    return PlaceHand(points, unit_m).is_left ? "left" : "right";
-  } catch (const UserError&) {  // AnglesOfHand() reports it
-    return "";
-  }
-}
-
-/// Names the hands of a pair. Errors: UserError without a place if both are of one side.
-void NameSides(const KeypointRows& rows, std::vector<KeypointColumns>& hands) {
-  for (std::size_t h = 0; h < hands.size(); ++h) {
-    hands[h].hand = SideOf(rows.points[h], hands[h].unit_m);
-  }
-  std::string& first = hands.front().hand;
-  std::string& second = hands.back().hand;
-  if (first == second && !first.empty()) {
-    throw UserError(
-        fmt::format("has keypoints of two {} hands by their shape; keep those of one", first));
-  }
-  if (first.empty()) first = second == "left" ? "right" : "left";
-  if (second.empty() || second == first) second = first == "left" ? "right" : "left";
-}
-
-/// Facts about a hand: its angles, lost frames, and remarks.
-AnglesOfBones AnglesOfHand(const KeypointRows& rows, std::size_t h, const KeypointColumns& columns,
+/// Facts about a hand: its angles, lost frames, and remarks. One of two without a side gets it by
+/// its shape.
+AnglesOfBones AnglesOfHand(const KeypointRows& rows, std::size_t h, KeypointColumns& columns,
                            std::vector<std::string>& remarks) {
   if (columns.rotations) {
     AnglesOfBones bones = AnglesOf(rows.rotations[h], columns);
@@ -155,6 +115,9 @@ AnglesOfBones AnglesOfHand(const KeypointRows& rows, std::size_t h, const Keypoi
   }
   const PlacedHand placed = PlaceHand(rows.points[h], columns.unit_m);
   KeypointAngles angles = AnglesOf(placed);
+  if (rows.points.size() > 1 && columns.hand.empty()) {
+    columns.hand = placed.is_left ? "left" : "right";
+  }
   remarks.push_back(RemarkOf(placed, columns));
   remarks.push_back(fmt::format(
       "{}angles from keypoints: the points are {:.2g} mm RMS off a hand with these angles",
@@ -175,7 +138,7 @@ TableColumn Part(const TableColumn& column, const std::vector<std::size_t>& rows
   return part;
 }
 
-Table TableOfAngles(const KeypointRows& rows, const std::vector<KeypointColumns>& hands) {
+Table TableOfAngles(const KeypointRows& rows, std::vector<KeypointColumns>& hands) {
   Table table;
   table.remarks = rows.table.remarks;
   std::vector<AnglesOfBones> of_hands;
@@ -189,6 +152,10 @@ Table TableOfAngles(const KeypointRows& rows, const std::vector<KeypointColumns>
       if (h + 1 == hands.size() && of_hands.empty()) throw;
       table.remarks.push_back(fmt::format("left out: {} hand: {}", hands[h].hand, error.what()));
     }
+  }
+  if (sides.size() > 1 && sides.front() == sides.back()) {
+    throw UserError(fmt::format("has keypoints of two {} hands by their shape; keep those of one",
+                                hands.front().hand));
   }
   const bool has_times = HasTimes(rows);
   std::vector<std::size_t> kept;
@@ -250,7 +217,6 @@ TableInput AnglesOfKeypoints(const std::string& name, TableInput input) {
     if (layout.hands.empty()) break;
     // Rows of one and of two hands are a question, before the rows of one width are dropped.
     if (!table) FindTable(name, TextSource(head), ProblemHandling::kRepair);
-    if (!table && BeginsWithoutHands(name, head, layout.hands)) continue;
     if (!table) {
       text = head + BytesOf(*source);
       table = std::make_shared<const Table>(
@@ -259,7 +225,6 @@ TableInput AnglesOfKeypoints(const std::string& name, TableInput input) {
     const KeypointRows rows = RowsOf(*table, layout.hands);
     if (!AreHands(rows, layout.hands)) continue;  // at most once more: points in four values
     try {
-      if (layout.hands.front().is_of_pair) NameSides(rows, layout.hands);
       return std::make_shared<const Table>(TableOfAngles(rows, layout.hands));
     } catch (const UserError& error) {
       throw UserError({.place = name, .problem = error.what()});
