@@ -51,25 +51,24 @@ TEST(ReadJointName, TakesTheGrammarAndNamesOtherWords) {
   EXPECT_FALSE(ReadJointName("temperature_2").is_joint);
 }
 
-TEST(JointsByNames, TakeSensorsOfAFingerByTheirNumbers) {
+TEST(JointsByNames, AssumeTheMiddleJointForTheOnlySensorOfAFinger) {
   std::string question;
-  EXPECT_THAT(ChannelsOf({"thumb_2", "thumb_1", "index_2", "index_1"}, question),
-              ElementsAre("thumb_ip", "thumb_mcp", "index_pip", "index_mcp"));
+  EXPECT_THAT(ChannelsOf({"thumb", "index", "ring_pip", "ring", "x"}, question),
+              ElementsAre("thumb_ip", "index_pip", "ring_pip", "", ""));
+  const auto joints = JointsByNames({"thumb", "ring_pip"}, question);
+  EXPECT_EQ(joints[0].basis, JointBasis::kAssumed);
+  EXPECT_EQ(joints[1].basis, JointBasis::kName);
+  EXPECT_EQ(question, "");
 }
 
-TEST(JointsByNames, ShareAFingersSensorsOut) {
-  std::string question;
-  EXPECT_THAT(
-      ChannelsOf({"thumb", "index1", "index2", "ring_1", "ring_2", "ring_3", "x"}, question),
-      ElementsAre("thumb_ip", "index_mcp", "index_pip", "ring_mcp", "ring_pip", "ring_dip", ""));
-  EXPECT_THAT(ChannelsOf({"LFJ4", "LFJ3", "LFJ2", "LFJ1", "LFJ0"}, question),
-              ElementsAre("", "", "little_mcp", "little_pip", "little_dip"));
-  EXPECT_THAT(ChannelsOf({"rh_FFJ1", "rh_FFJ2", "rh_FFJ3"}, question),
-              ElementsAre("index_dip", "index_pip", "index_mcp"));  // from the tip
-  for (const ColumnJoint& joint : JointsByNames({"thumb", "index1", "index2"}, question)) {
-    EXPECT_EQ(joint.basis, JointBasis::kAssumed);
+TEST(JointsByNames, AskForTheJointsOfSeveralSensorsOfAFinger) {
+  for (const std::vector<std::string>& names :
+       {std::vector<std::string>{"thumb", "index_1", "index_2"}, {"thumb", "rh_FFJ1", "rh_FFJ2"}}) {
+    std::string question;
+    EXPECT_THAT(ChannelsOf(names, question), ElementsAre("thumb_ip", "", ""));
+    EXPECT_EQ(question, names[1] + " and " + names[2] +
+                            " are of one finger, and the joint of each is unknown");
   }
-  EXPECT_EQ(question, "");
 }
 
 TEST(JointsByNames, ShiftAThumbWithNamesOfAFinger) {

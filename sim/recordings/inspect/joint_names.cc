@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <map>
 #include <utility>
 
-#include "controller/number.h"
 #include "sim/base/channels.h"
 #include "sim/tables/name_words.h"
 #include "sim/tables/time_columns.h"
@@ -43,24 +43,6 @@ std::string ChannelOfArm(const Words& words) {
   return "";
 }
 
-/// Channels of a finger for this number of sensors without a joint in their names.
-std::vector<std::string> ChannelsOfFinger(const std::string& finger, std::size_t sensors) {
-  if (finger == "thumb") {
-    if (sensors == 1) return {"thumb_ip"};
-    if (sensors == 2) return {"thumb_mcp", "thumb_ip"};
-    if (sensors == 3) return {"thumb_rotation", "thumb_mcp", "thumb_ip"};
-    if (sensors == 4) return {"thumb_rotation", "thumb_abduction", "thumb_mcp", "thumb_ip"};
-    return {"thumb_rotation", "thumb_abduction", "", "thumb_mcp", "thumb_ip"};
-  }
-  if (sensors == 1) return {finger + "_pip"};
-  if (sensors == 2) return {finger + "_mcp", finger + "_pip"};
-  if (sensors == 3) return {finger + "_mcp", finger + "_pip", finger + "_dip"};
-  // The sensors before these three measure sideways motion and the palm bone.
-  std::vector<std::string> channels(sensors - 3);
-  for (const char* joint : {"_mcp", "_pip", "_dip"}) channels.push_back(finger + joint);
-  return channels;
-}
-
 /// Words beside finger and side: joints, directions, numbers, units.
 bool IsWordOfJoint(const std::string& word) {
   const bool is_number = std::isdigit(static_cast<unsigned char>(word.front())) != 0;
@@ -71,56 +53,22 @@ bool IsWordOfJoint(const std::string& word) {
              word);
 }
 
-/// A thumb with sensors at mcp, pip and dip: an export with the same names for all fingers. Its
-/// three joints are those from the root on.
-bool ShiftLongThumb(const std::vector<NamedSensor>& sensors, std::vector<ColumnJoint>& joints) {
-  std::map<std::string, std::size_t> column_of;
-  for (std::size_t i = 0; i < sensors.size(); ++i) {
-    if (sensors[i].finger == "thumb" && !sensors[i].is_spread) {
-      column_of.try_emplace(sensors[i].joint, i);
-    }
-  }
-  if (!column_of.contains("pip") || !column_of.contains("dip")) return false;
-  const std::pair<const char*, const char*> shifted[] = {
-      {"mcp", "thumb_rotation"}, {"pip", "thumb_mcp"}, {"dip", "thumb_ip"}};
-  for (const auto& [joint, channel] : shifted) {
-    if (!column_of.contains(joint)) continue;
-    joints[column_of.at(joint)] = {channel, JointBasis::kAssumed,
-                                   "a thumb with names of a finger: from the root on"};
+/// Renames the joints of a thumb with pip and dip, as an export has that names all digits alike: they
+/// are those from the root on. False for other thumbs.
+bool ShiftLongThumb(std::vector<NamedSensor>& sensors) {
+  constexpr std::array<Meaning, 3> kShifted = {
+      {{"thumb_rotation", "mcp"}, {"thumb_mcp", "pip"}, {"thumb_ip", "dip"}}};
+  const auto has = [&sensors](std::string_view joint) {
+    return std::ranges::any_of(sensors, [joint](const NamedSensor& sensor) {
+      return sensor.finger == "thumb" && sensor.joint == joint;
+    });
+  };
+  if (!has("pip") || !has("dip")) return false;
+  for (NamedSensor& sensor : sensors) {
+    const std::string_view shifted = MeaningOf(kShifted, sensor.joint);
+    if (sensor.finger == "thumb" && !sensor.is_spread && !shifted.empty()) sensor.channel = shifted;
   }
   return true;
-}
-
-/// The last number in a name, 0 without one.
-double NumberIn(const std::string& name) {
-  double number = 0.0;
-  for (const std::string& word : WordsOf(name)) {
-    number = controller::ParseNumber(word).value_or(number);
-  }
-  return number;
-}
-
-/// Sensors of one finger without a joint in their names, in the order of their numbers. Those of a
-/// Shadow hand (FFJ3) are numbered from the tip.
-void ShareOut(const std::string& finger, std::vector<std::size_t> columns,
-              const std::vector<std::string>& names, std::vector<ColumnJoint>& joints) {
-  std::ranges::stable_sort(columns, {}, [&](std::size_t c) { return NumberIn(names[c]); });
-  if (HasWordOf(WordsOf(names[columns.front()]), "thj ffj mfj rfj lfj")) {
-    std::ranges::reverse(columns);
-  }
-  const std::vector<std::string> channels = ChannelsOfFinger(finger, columns.size());
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    ColumnJoint& joint = joints[columns[k]];
-    const bool is_taken = std::ranges::any_of(joints, [&](const ColumnJoint& other) {
-      return k < channels.size() && !channels[k].empty() && other.channel == channels[k];
-    });
-    if (k >= channels.size() || channels[k].empty() || is_taken) {
-      joint.why = "no joint of the hand is left for it";
-      continue;
-    }
-    joint = {channels[k], JointBasis::kAssumed,
-             fmt::format("the finger by its name; sensor {} of {} of it", k + 1, columns.size())};
-  }
 }
 
 }  // namespace
@@ -186,13 +134,12 @@ std::vector<ColumnJoint> JointsByNames(const std::vector<std::string>& names,
                                        std::string& question) {
   std::vector<NamedSensor> sensors;
   for (const std::string& name : names) sensors.push_back(ReadSensorName(name));
+  const bool is_shifted = ShiftLongThumb(sensors);
   std::vector<ColumnJoint> joints(names.size());
-  const bool has_long_thumb = ShiftLongThumb(sensors, joints);
   std::map<std::string, std::vector<std::size_t>> only_finger;
   std::map<std::string, std::size_t> column_of;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const NamedSensor& sensor = sensors[i];
-    if (has_long_thumb && sensor.finger == "thumb" && !joints[i].channel.empty()) continue;
     if (sensor.channel.empty()) {
       if (HasWordOf(WordsOf(names[i]), "crossover arch")) {
         joints[i].why = "measures no single joint";
@@ -204,11 +151,24 @@ std::vector<ColumnJoint> JointsByNames(const std::vector<std::string>& names,
     const auto [first, is_first] = column_of.try_emplace(sensor.channel, i);
     joints[i].why = is_first ? "by its name" : sensor.channel + " has a column already";
     if (is_first) joints[i].channel = sensor.channel;
+    if (is_first && is_shifted && sensor.finger == "thumb") {
+      joints[i] = {sensor.channel, JointBasis::kAssumed,
+                   "a thumb with names of a finger: from the root on"};
+    }
     if (is_first || sensor.channel == "finger_spread" || !question.empty()) continue;
     question =
         fmt::format("{} and {} both name {}", names[first->second], names[i], sensor.channel);
   }
-  for (const auto& [finger, columns] : only_finger) ShareOut(finger, columns, names, joints);
+  for (const auto& [finger, columns] : only_finger) {
+    const std::string channel = finger + (finger == "thumb" ? "_ip" : "_pip");
+    if (columns.size() > 1 && question.empty()) {
+      question = fmt::format("{} and {} are of one finger, and the joint of each is unknown",
+                             names[columns[0]], names[columns[1]]);
+    }
+    const bool is_only = columns.size() == 1 && !column_of.contains(channel);
+    ColumnJoint& joint = joints[columns.front()];
+    if (is_only) joint = {channel, JointBasis::kAssumed, "the finger by its name"};
+  }
   return joints;
 }
 

@@ -35,8 +35,8 @@ struct ColumnJoint {
 };
 
 /// Joints of columns by their names. `question` receives a sentence if two columns name one joint;
-/// of several sensors of the spread between fingers the first drives it. Sensors of a finger that
-/// are only numbered are assumed to be those from its root on.
+/// of several sensors of the spread between fingers the first drives it. The only sensor of a
+/// finger without a joint is assumed to be that of its middle joint; several are a question.
 std::vector<ColumnJoint> JointsByNames(const std::vector<std::string>& names,
                                        std::string& question);
 
