@@ -12,7 +12,6 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr double kWidestJaws_m = 0.12;
 constexpr double kTurn_rad = 2.0 * std::numbers::pi * 1.05;
 
 constexpr std::string_view kSlideWords =
@@ -75,10 +74,6 @@ JointUnit UnitOfJoint(std::string_view name, double largest, const JointTypes& t
   }
   const std::vector<std::string> words = WordsOf(name);
   if (IsJaw(words)) {
-    if (largest > 0.0 && largest <= kWidestJaws_m) {
-      return {"_m", fmt::format("{}: metres (assumed: a gripper by its name, up to {:.3g})", shown,
-                                largest)};
-    }
     return {"", fmt::format("{}: radians or metres, unknown (a gripper by its name)", shown)};
   }
   if (largest > kTurn_rad && !HasWordOf(words, kWheelWords)) {

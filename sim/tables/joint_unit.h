@@ -24,13 +24,11 @@ struct JointUnit {
 /// |-------------------------------------------------------------------------|---------|
 /// | the name ends with _rad, _deg, _m or _mm                                | that    |
 /// | the type of the joint is prismatic, revolute or continuous              | m, rad  |
-/// | the name is that of a gripper or slide, and no value is above 0.12 m    | m       |
 /// | the name is that of a gripper or slide                                  | unknown |
 /// | a value is beyond a turn, and the name is not that of a wheel           | unknown |
 /// | any other                                                               | rad     |
 ///
-/// Sources: docs.ros.org, sensor_msgs/JointState; wiki.ros.org/urdf/XML/joint. Assumption: jaws of
-/// grippers open by at most 0.12 m.
+/// Sources: docs.ros.org, sensor_msgs/JointState; wiki.ros.org/urdf/XML/joint.
 JointUnit UnitOfJoint(std::string_view name, double largest, const JointTypes& types);
 
 }  // namespace gauntlet::sim

@@ -558,8 +558,8 @@ TEST(JointUnit, IsDecidedByTypeThenNameThenValues) {
     double largest;
     const char* suffix;
   };
-  for (const Case& one : {Case{"panda_finger_joint1", 0.04, "_m"}, Case{"gripper", 0.8, ""},
-                          Case{"left_gripper", 0.05, "_m"}, Case{"gripper", 0.0, ""},
+  for (const Case& one : {Case{"panda_finger_joint1", 0.04, ""}, Case{"gripper", 0.8, ""},
+                          Case{"left_gripper", 0.05, ""}, Case{"gripper", 0.0, ""},
                           Case{"finger_joint", controller::kNaN, ""},
                           Case{"index_finger_mcp", 0.04, "_rad"}, Case{"ring_mcp", 1.5, "_rad"},
                           Case{"shoulder_pan", 45.0, ""}, Case{"front_wheel", 45.0, "_rad"},

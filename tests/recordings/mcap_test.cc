@@ -287,8 +287,8 @@ TEST_F(BagTest, NamesTheUnitOfJointsThatSlide) {
   }
   MakeBag(file, "sensor_msgs/msg/JointState", messages);
   EXPECT_EQ(test::TextOf(TableSource(file)),
-            "time_s,gripper_m,elbow_rad,pan\n1,0,0,0\n2,0.01,0.5,40\n"
-            "# gripper: metres (assumed: a gripper by its name, up to 0.02)\n"
+            "time_s,gripper,elbow_rad,pan\n1,0,0,0\n2,0.01,0.5,40\n"
+            "# gripper: radians or metres, unknown (a gripper by its name)\n"
             "# pan: up to 80, beyond a turn in radians, so the unit is unknown\n"
             "3,0.02,1,80\n");
 }
