@@ -190,7 +190,7 @@ void StreamTable::ChooseColumns(const StreamHead& head, const std::vector<std::s
   for (const std::string& name : head.names) names.emplace_back(Unquoted(name));
   names.resize(columns_);
   const std::vector<bool> is_asked = AskedColumns(names, asked);
-  time_ = TimeByName(head.layout);
+  time_ = TimeByName(kPlace, head.layout);
   std::erase_if(time_, [&](const TimeMapping& time) { return is_asked[time.column]; });
   if (!time_unit.empty()) {
     if (time_.empty()) {

@@ -279,7 +279,7 @@ ChainColumns FindChainColumns(const FoundTable& table, const std::string& map) {
       std::ranges::any_of(names, [](const std::string& name) { return !name.empty(); });
   if (map.empty() && !has_names) csv.Fail(1, "the first line must name the columns, or --map");
   ChainColumns columns;
-  columns.time = TimeByName(table.layout);
+  columns.time = TimeByName(csv.name(), table.layout);
   columns.episodes = FindEpisodes(table.layout);
   std::vector<PartColumn> bare;
   if (map.empty()) {

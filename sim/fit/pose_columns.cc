@@ -90,7 +90,7 @@ PoseColumns ColumnsByName(const FoundTable& table) {
   const CsvReader& csv = table.reader;
   const std::vector<std::string>& names = table.layout.names;
   PoseColumns columns;
-  columns.time = TimeByName(table.layout);
+  columns.time = TimeByName(csv.name(), table.layout);
   std::size_t first_unknown = 0;
   for (std::size_t column = 0; column < csv.column_count(); ++column) {
     const std::string& name = names[column];

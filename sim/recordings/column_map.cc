@@ -378,11 +378,11 @@ ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
   // FirstRows() leaves the reader as it was.
   const auto rows = const_cast<CsvReader&>(recording).FirstRows(kRows, recording.row() + 2 * kRows);
   ColumnMap map;
-  map.time = TimeByName({.separator = recording.separator(),
-                         .columns = recording.column_count(),
-                         .names = recording.header(),
-                         .notes = {},
-                         .rows = rows});
+  map.time = TimeByName(recording.name(), {.separator = recording.separator(),
+                                           .columns = recording.column_count(),
+                                           .names = recording.header(),
+                                           .notes = {},
+                                           .rows = rows});
   for (std::size_t column = 0; column < recording.column_count(); ++column) {
     const std::string& name = recording.header()[column];
     if (AddByName(name, column, map)) continue;

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "controller/number.h"
+#include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/recordings/quantities.h"
 #include "sim/recordings/table_statistics.h"
 #include "sim/tables/name_words.h"
@@ -27,6 +29,8 @@ std::vector<double> ValuesOf(const TableLayout& layout, std::size_t column) {
   return values;
 }
 
+constexpr std::string_view kRowNumbers = "i n id idx nr index sequence counter";
+
 /// True for a name of something that is no time: a finger, a joint, a sensor, a frame's number or
 /// another quantity. Such a column is no time even if its values rise.
 bool NamesOther(std::string_view name) {
@@ -36,7 +40,8 @@ bool NamesOther(std::string_view name) {
     return !FingerOf(word).empty() || !JointOf(word).empty() || !ArmPartOf(word).empty() ||
            IsSpread(word) || IsSensorWord(word) || IsJointWord(word);
   });
-  return is_hand || HasWordOf(words, "x y z w flexion extension flex elbow img image") ||
+  return is_hand || HasWordOf(words, kRowNumbers) ||
+         HasWordOf(words, "x y z w flexion extension flex elbow img image") ||
          std::ranges::any_of(QuantityRules(), [&words](const QuantityRule& rule) {
            return rule.quantity != Quantity::kTime && HasWordOf(words, rule.words);
          });
@@ -44,37 +49,28 @@ bool NamesOther(std::string_view name) {
 
 struct Steps {
   double usual = 0.0;
-  double unevenness = 0.0;     // mean difference from the usual step, as its multiple
   double rising_share = 0.0;   // share of steps >= 0
   double forward_share = 0.0;  // share of steps > 0
   bool is_count = false;       // nearly all steps are 1
-  bool is_whole = true;        // no value has a fraction
 };
 
 Steps StepsOf(const std::vector<double>& values) {
   Steps steps;
   std::vector<double> all;
-  std::size_t rising = 0, forward = 0, ones = 0;
+  double forward = 0.0, ones = 0.0;
   for (std::size_t i = 1; i < values.size(); ++i) {
     const double step = values[i] - values[i - 1];
-    rising += step >= 0.0 ? 1 : 0;
-    forward += step > 0.0 ? 1 : 0;
-    ones += step == 1.0 ? 1 : 0;
     if (step >= 0.0) all.push_back(step);
+    forward += step > 0.0 ? 1.0 : 0.0;
+    ones += step == 1.0 ? 1.0 : 0.0;
   }
-  steps.is_whole =
-      std::ranges::all_of(values, [](double value) { return value == std::round(value); });
   if (all.empty()) return steps;
+  constexpr double kNearlyAll = 0.95;
   const double count = static_cast<double>(values.size() - 1);
   steps.usual = UsualInterval(all);
-  for (const double step : all) {
-    steps.unevenness +=
-        std::abs(step - steps.usual) / (steps.usual * static_cast<double>(all.size()));
-  }
-  steps.rising_share = static_cast<double>(rising) / count;
-  steps.forward_share = static_cast<double>(forward) / count;
-  constexpr double kNearlyAll = 0.95;
-  steps.is_count = static_cast<double>(ones) > kNearlyAll * count;
+  steps.rising_share = static_cast<double>(all.size()) / count;
+  steps.forward_share = forward / count;
+  steps.is_count = ones > kNearlyAll * count;
   return steps;
 }
 
@@ -82,8 +78,6 @@ Steps StepsOf(const std::vector<double>& values) {
 constexpr double kSlowest_hz = 1.0;
 constexpr double kFastest_hz = 1e4;
 
-// Names of numbers that may be a time's, too.
-constexpr std::string_view kRowNumbers = "i n id idx nr index sequence counter";
 constexpr double kSince1970_s = 5e8;  // from 1985 on
 
 bool IsRateOfGlove(double usual_step, std::string_view unit) {
@@ -106,9 +100,8 @@ bool AreTicks(double first) {
   return is_net || is_windows;
 }
 
-/// Unit by the size of the numbers if they count from a known date, else by the sampling rates of
-/// gloves.
-std::string_view UnitByValues(double first, double usual_step) {
+/// Unit of numbers that count from a known date; empty for others.
+std::string_view UnitOfDate(double first, double usual_step) {
   if (AreDays(first, usual_step)) return "day";
   if (AreTicks(first)) return "ticks";
   constexpr std::array<std::pair<double, std::string_view>, 4> kSince1970 = {
@@ -116,11 +109,7 @@ std::string_view UnitByValues(double first, double usual_step) {
   for (const auto& [least, unit] : kSince1970) {
     if (first >= least) return unit;
   }
-  constexpr double kLongest_s = 0.4;
-  for (const std::string_view unit : {"s", "ms", "us", "ns"}) {
-    if (usual_step * SecondsPer(std::string(unit)) <= kLongest_s) return unit;
-  }
-  return "ns";
+  return "";
 }
 
 /// Unit in a name such as time_ms or Elapsed Time (milliseconds); empty if there is none.
@@ -170,21 +159,6 @@ std::vector<TimePart> NamedParts(const TableLayout& layout) {
   return {};
 }
 
-/// True if these parts add up to a time that advances in nearly every row.
-bool Advance(const std::vector<TimePart>& parts, const TableLayout& layout) {
-  constexpr double kNearlyAll = 0.9;
-  std::vector<double> times;
-  for (const auto& row : layout.rows) {
-    double sum_s = 0.0;
-    for (const auto& [column, unit] : parts) {
-      sum_s += unit == "date" ? SecondsOfText(row[column]).value_or(controller::kNaN)
-                              : SecondsPer(unit) * NumberIn(layout, row[column]);
-    }
-    times.push_back(sum_s);
-  }
-  return StepsOf(times).forward_share > kNearlyAll;
-}
-
 /// Columns of dates and clock times: one with both, or one of each.
 std::vector<TimePart> DateParts(const TableLayout& layout) {
   std::vector<TimePart> parts;
@@ -200,65 +174,47 @@ std::vector<TimePart> DateParts(const TableLayout& layout) {
   return parts;
 }
 
-/// Whole seconds in dates or clocks, and a column with their milliseconds; without both nothing.
-std::vector<TimePart> WithMilliseconds(std::vector<TimePart> dates, const TableLayout& layout) {
-  for (std::size_t column = 0; column < layout.columns && !dates.empty(); ++column) {
-    if (KindOf(layout, column) != CellKind::kNumber || UnitByName(layout.names[column]) != "ms") {
-      continue;
+/// True if dates and clocks advance in nearly every row.
+bool Advance(const std::vector<TimePart>& dates, const TableLayout& layout) {
+  constexpr double kNearlyAll = 0.9;
+  std::vector<double> times;
+  for (const auto& row : layout.rows) {
+    double sum_s = 0.0;
+    for (const TimePart& part : dates) {
+      sum_s += SecondsOfText(row[part.column]).value_or(controller::kNaN);
     }
-    const std::vector<double> values = ValuesOf(layout, column);
-    if (!std::ranges::all_of(values, [](double ms) { return ms >= 0.0 && ms < 1000.0; })) continue;
-    if (std::ranges::is_sorted(values)) continue;  // a time of its own
-    dates.push_back({column, "ms"});
-    return dates;
+    times.push_back(sum_s);
   }
-  return {};
+  return StepsOf(times).forward_share > kNearlyAll;
 }
 
-/// The time is this column: its unit is that of its name, unless no glove has that rate.
-TimeGuess GuessOf(std::size_t column, const std::string& name, double first, double usual_step,
-                  bool by_name) {
-  constexpr double kUsualSlowest_hz = 5.0;
-  constexpr double kUsualFastest_hz = 1500.0;
+std::string QuestionOf(std::size_t column, const std::string& name, double step) {
+  const std::string shown = name.empty() ? "" : fmt::format(" '{}'", OneLine(name, 20));
+  return fmt::format("column {}{} rises by {:.5g} from row to row", column + 1, shown, step);
+}
+
+/// The time is this column, which rises by this step. Its unit is that of its name, that of a date,
+/// or s for a name with the word time and a step of a glove. All others are a question.
+TimeGuess GuessOf(std::size_t column, const std::string& name, double first, double step) {
+  constexpr double kLongest_s = 0.4;
   const std::string_view named = UnitByName(name);
-  const std::string_view by_values = UnitByValues(first, usual_step);
-  const bool is_wrong = !named.empty() && named != by_values && !IsRateOfGlove(usual_step, named) &&
-                        IsRateOfGlove(usual_step, by_values);
-  const std::string unit(named.empty() || is_wrong ? by_values : named);
-  const double rate_hz = 1.0 / (usual_step * SecondsPer(unit));
-  TimeGuess guess = {{{column, unit}}, by_name ? "by its name" : "it rises in every row"};
-  guess.is_named = by_name;
-  guess.unit_is_guessed = named.empty() && first < kSince1970_s;
-  // Steps of 1000 are as well milliseconds of a slow log as microseconds of a fast one.
-  constexpr double kCoarser = 1e3;
-  constexpr double kSlowestLog_s = 2.0;
-  const bool may_be_slow =
-      unit != "s" && unit != "day" && first < kSince1970_s && kCoarser / rate_hz <= kSlowestLog_s;
-  guess.is_assumed =
-      is_wrong || (!by_name && first < kSince1970_s) ||
-      (named.empty() && (rate_hz < kUsualSlowest_hz || rate_hz > kUsualFastest_hz || may_be_slow));
-  if (is_wrong) {
-    guess.why += fmt::format("; {} by its values, not {} as its name says", unit, named);
-  } else if (named.empty()) {
-    guess.why += fmt::format("; {} by a step of {:.5g}", unit, usual_step);
-  } else {
-    guess.why += fmt::format("; {} by its name", unit);
+  const std::string_view of_date = UnitOfDate(first, step);
+  const bool names_time = TimeScaleS(name) == 1.0 || HasWordOf(WordsOf(name), "time timestamp");
+  const bool is_s = names_time && step <= kLongest_s && IsRateOfGlove(step, "s");
+  const std::string_view unit = !named.empty()     ? named
+                                : !of_date.empty() ? of_date
+                                : is_s             ? "s"
+                                                   : "";
+  if (!unit.empty()) {
+    return {
+        {{column, std::string(unit)}},
+        fmt::format("by its name; {} by {}", unit,
+                    named.empty() && !is_s ? fmt::format("a date of {:.10g}", first) : "its name")};
   }
-  return guess;
-}
-
-struct Candidate {
-  std::size_t column = 0;
-  double first = 0.0;
-  Steps steps = {};
-};
-
-/// Order of two columns that rise: the likelier one goes back less often, or else is more even.
-bool IsMoreLikeTime(const Candidate& one, const Candidate& other) {
-  if (one.steps.forward_share != other.steps.forward_share) {
-    return one.steps.forward_share > other.steps.forward_share;
-  }
-  return one.steps.unevenness < other.steps.unevenness;
+  return {.parts = {},
+          .why = "its unit is unknown",
+          .question = QuestionOf(column, name, step),
+          .is_named = TimeScaleS(name).has_value()};
 }
 
 }  // namespace
@@ -269,9 +225,6 @@ TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
   const auto dates = DateParts(layout);
   TimeGuess of_dates = {dates, dates.size() > 1 ? "date and clock" : "dates or clocks"};
   if (!dates.empty() && Advance(dates, layout)) return of_dates;
-  if (const auto parts = WithMilliseconds(dates, layout); Advance(parts, layout)) {
-    return {parts, "dates or clocks, and their milliseconds"};
-  }
   if (const auto parts = NamedParts(layout); parts.size() > 1) {
     return {parts, "by the names of its parts, which add up"};
   }
@@ -279,37 +232,40 @@ TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
   constexpr double kAll = 0.98;  // except where the clock starts anew
   TimeGuess best = {{}, "no column rises as a time does"};
   if (!dates.empty()) best = std::move(of_dates);
-  for (const bool by_name : {true, false}) {
-    if (!by_name && !dates.empty()) break;
-    std::optional<Candidate> found;
-    for (std::size_t column = 0; column < layout.columns; ++column) {
-      const std::string& name = layout.names[column];
-      if (KindOf(layout, column) != CellKind::kNumber) continue;
-      const bool is_named =
-          TimeScaleS(name).has_value() || (MayBeTime(name) && !IsSampleNumber(name));
-      if (is_named != by_name || (!by_name && NamesOther(name))) continue;
-      const std::vector<double> values = ValuesOf(layout, column);
-      const Steps steps = StepsOf(values);
-      // A program may poll faster than the glove samples. Then times repeat.
-      const bool rises = steps.rising_share > kNearlyAll && steps.usual > 0.0;
-      if (values.size() < 3 || !rises || (!by_name && steps.forward_share < kAll)) continue;
-      const bool numbers_rows = steps.is_whole && values.front() < kSince1970_s &&
-                                !TimeScaleS(name) && HasWordOf(WordsOf(name), kRowNumbers);
-      const bool has_unit = !unit.empty() || !UnitByName(name).empty();
-      if ((steps.is_count && !has_unit) || numbers_rows) {
-        if (dates.empty()) best.why = fmt::format("column {} only counts the rows", column + 1);
-        continue;
+  TimeGuess nameless;
+  for (std::size_t column = 0; column < layout.columns; ++column) {
+    const std::string& name = layout.names[column];
+    const bool is_named = TimeScaleS(name) || (MayBeTime(name) && !IsSampleNumber(name) &&
+                                               !HasWordOf(WordsOf(name), kRowNumbers));
+    const std::vector<double> values = ValuesOf(layout, column);
+    if (KindOf(layout, column) != CellKind::kNumber || values.size() < 3) continue;
+    const Steps steps = StepsOf(values);
+    // A program may poll faster than the glove samples. Then times repeat. One that goes back beside
+    // a clock is a part of it.
+    const double least = dates.empty() ? kNearlyAll : 1.0;
+    if (steps.rising_share < least || steps.usual <= 0.0) continue;
+    const bool has_unit = !unit.empty() || !UnitByName(name).empty();
+    if (steps.is_count && !has_unit) {
+      if (dates.empty()) best.why = fmt::format("column {} only counts the rows", column + 1);
+      if (TimeScaleS(name) && best.question.empty()) {
+        best.question = QuestionOf(column, name, 1.0);
       }
-      const Candidate candidate = {column, values.front(), steps};
-      if (!found || (!by_name && IsMoreLikeTime(candidate, *found))) found = candidate;
-    }
-    if (found && !unit.empty()) return {{{found->column, unit}}, "in the unit that is given"};
-    if (found) {
-      return GuessOf(found->column, layout.names[found->column], found->first, found->steps.usual,
-                     by_name);
+    } else if (is_named) {
+      if (!unit.empty()) return {{{column, unit}}, "in the unit that is given"};
+      return GuessOf(column, name, values.front(), steps.usual);
+    } else if (dates.empty() && nameless.why.empty() && steps.forward_share >= kAll &&
+               !NamesOther(name)) {
+      nameless = GuessOf(column, name, values.front(), steps.usual);
+      if (!unit.empty()) nameless.parts = {{column, unit}};
     }
   }
-  return best;
+  if (nameless.why.empty() || !best.question.empty()) return best;
+  nameless.is_named = false;
+  if (!nameless.parts.empty()) {
+    nameless.why = unit.empty() ? "its values are dates" : "in the unit that is given";
+  }
+  if (!unit.empty()) nameless.question.clear();
+  return nameless;
 }
 
 TimeGuess TimeOfMap(const std::vector<TimeMapping>& time) {
@@ -320,11 +276,15 @@ TimeGuess TimeOfMap(const std::vector<TimeMapping>& time) {
   return guess;
 }
 
-std::vector<TimeMapping> TimeByName(const TableLayout& layout) {
+std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& layout) {
   std::vector<TimeMapping> time;
   const TimeGuess guess = GuessTime(layout);
+  if (guess.is_named && !guess.question.empty()) {
+    throw UserError({.place = file,
+                     .problem = guess.question + "; call it time_s, time_ms, time_us or time_ns"});
+  }
   for (const TimePart& part : guess.parts) {
-    if (!guess.is_named || guess.is_assumed) break;
+    if (!guess.is_named) break;
     time.push_back({part.column, SecondsPer(part.unit), part.unit == "date"});
   }
   for (std::size_t c = 0; time.empty() && c < layout.columns; ++c) {

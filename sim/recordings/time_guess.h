@@ -17,20 +17,20 @@ struct TimePart {
 struct TimeGuess {
   std::vector<TimePart> parts;  // empty: no time columns
   std::string why;
-  bool is_assumed = false;       // the unit is a guess against the name, or by an unusual rate
-  bool is_named = true;          // false: found by its values alone
-  bool unit_is_guessed = false;  // by the size of its steps
+  std::string question = {};  // that is open while there are no parts; empty: none
+  bool is_named = true;       // false: found by its values alone
 };
 
-/// Guesses the time columns by their names and first rows. `unit`: of a column of numbers, if a
-/// person gave it; empty: by its name, or by its values.
+/// Finds the time columns by their names and first rows. A column of numbers has the unit `unit`,
+/// if a person gave it, that of its name, or that of a date that it counts from. `t`, `time` and
+/// the like are in s where that is the rate of a glove. All others are a question.
 TimeGuess GuessTime(const TableLayout& layout, const std::string& unit = {});
 /// The time as a column map has it.
 TimeGuess TimeOfMap(const std::vector<TimeMapping>& time);
 /// The time of a table whose columns are known by their names: that of GuessTime(), unless it is
-/// found by its values alone or its unit is assumed. Else the first column with a name of
-/// TimeScaleS(). Empty: none.
-std::vector<TimeMapping> TimeByName(const TableLayout& layout);
+/// found by its values alone. Else the first column with a name of TimeScaleS(). Empty: none.
+/// Errors: UserError in `file` for a column of time whose unit is a question.
+std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& layout);
 /// Seconds per unit of a part; 1 for dates.
 double SecondsPer(const std::string& time_unit);
 

@@ -10,7 +10,7 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::string_view kTimes = "t time timestamp elapsed elapsedtime";
+constexpr std::string_view kTimes = "t time timestamp elapsed elapsedtime xvalue";
 
 /// Names of a unit in the names of columns.
 struct TimeUnit {
@@ -32,7 +32,7 @@ constexpr std::array<TimeUnit, 8> kMapUnits = {{{"s", 1.0},
 
 constexpr std::string_view kNumbered = "k frame sample row seq";
 constexpr std::string_view kNumbers = "number num no nr index";
-constexpr std::string_view kDoubtful = "s i n id idx nr index sequence counter xvalue";
+constexpr std::string_view kDoubtful = "s i n id idx nr index sequence counter";
 
 /// One of `names`, with one of `ends` behind it.
 bool IsJoined(std::string_view bare, std::string_view names, std::string_view ends) {

@@ -279,8 +279,8 @@ std::string JsonRows(double rate_hz, const Values& values, bool lines) {
   for (int row = 0; row < kSeconds * rate_hz; ++row) {
     if (row > 0) text += lines ? "\n" : ", ";
     text += fmt::format(
-        "{{\"timestamp\": {}, \"joints\": {{\"index_mcp\": {}, \"index_pip\": {}, \"thumb\": [{}, "
-        "{}]}}}}",
+        "{{\"timestamp\": {}, \"joints\": {{\"index_mcp\": {}, \"index_pip\": {}, \"thumb\": "
+        "{{\"mcp\": {}, \"ip\": {}}}}}}}",
         1.7e9 + row / rate_hz, values(row, 0), values(row, 1), values(row, 2), values(row, 3));
   }
   return text + (lines ? "\n" : "]}");
@@ -312,7 +312,7 @@ std::vector<GloveFile> TextFiles() {
   };
   add("comma.csv", 100, "counts", 5,
       Text({.header = "time_s," + std::string(kFive)}, 100, 5, Counts(10, 100), seconds(100, ",")));
-  add("decimal_comma.csv", 60, "deg", 4,
+  add("decimal_comma.csv", 0, "deg", 4,
       Text({.separator = ";",
             .decimal_comma = true,
             .header = "Zeit;Index_MCP;Index_PIP;Thumb_MCP;Thumb_IP"},
@@ -321,11 +321,13 @@ std::vector<GloveFile> TextFiles() {
              std::ranges::replace(text, '.', ',');
              return text;
            }));
+  files.back().question = "column 1 'Zeit' rises by 0.0166";
   add("tab_ms.txt", 50, "deg", 6,
       Text({.separator = "\t",
             .header = "Time (ms)\tThumbMCP\tThumbIP\tIndexMCP\tIndexPIP\tMiddleMCP\tMiddlePIP"},
            50, 6, Degrees(50), [](int row) { return fmt::format("{}\t", 20 * row); }));
-  add("blanks.dat", 30, "rad", 5, Text({.separator = "  "}, 30, 5, Radians(30), seconds(30, "  ")));
+  add("blanks.dat", 0, "rad", 5, Text({.separator = "  "}, 30, 5, Radians(30), seconds(30, "  ")));
+  files.back().question = "column 1 rises by 0.0333";
   add("crlf_mark_epoch_ms.csv", 100, "counts", 5,
       Text({.line_end = "\r\n",
             .before = "\xEF\xBB\xBF",
@@ -379,9 +381,10 @@ std::vector<GloveFile> TextFiles() {
            Radians(50), [](int row) {
              return fmt::format("{},{},", 1700000000 + row / 50, 20000000L * (row % 50));
            }));
-  add("eighteen_bytes.txt", 90, "counts", 18,
+  add("eighteen_bytes.txt", 0, "counts", 18,
       Text({.separator = " "}, 90, 18, Counts(8, 90), seconds(90, " ")));
   files.back().sensors = 15;  // as above
+  files.back().question = "column 1 rises by 0.0111";
   add("with_motion_sensor.csv", 100, "counts", 5,
       Text(
           {.header =

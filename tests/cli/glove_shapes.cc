@@ -194,6 +194,7 @@ void AddNamelessMotionSensor(Shapes& shapes) {
   Joints joints;
   for (int i = 0; i < 5; ++i) joints[std::to_string(i + 2)] = kFlex5[i];
   shapes.push_back({"motion_nameless", nameless.Text(",", false), 100, "counts", joints});
+  shapes.back().question = "column 1 rises by 0.01 from row to row";
 }
 
 void AddMotionSensors(Shapes& shapes) {
@@ -596,6 +597,7 @@ void AddTurnsAndSigns(Shapes& shapes) {
   wrong.Add("time_s", Clock(10));
   shapes.push_back({"signs_time", "", 100, "deg", AddEight(wrong, "{}_{}_deg", Degrees)});
   shapes.back().text = wrong.Text();
+  shapes.back().question = "0.1 rows per second, must be from 1 to 10000";
 }
 
 void AddNumbers(Shapes& shapes) {
@@ -678,7 +680,7 @@ void AddRising(Shapes& shapes) {
       TwoJoints(
           "time,middle_mcp,index_mcp,index_pip\n",
           [](int row) { return fmt::format("{},{:.4f},", row, 0.6256 * row); }, AngleDeg),
-      "rises by 1: milliseconds, or numbers of rows?");
+      "column 1 'time' rises by 1 from row to row; --time-unit s, ms");
   add("padded", TwoJoints("Subject,1,\nTrial,3,\n,,\ntime,index_pip,index_mcp\n", time, AngleDeg),
       100, two);
   ask("two_units",
@@ -731,11 +733,11 @@ void AddClocks(Shapes& shapes) {
       {"clocks_missing", TwoJoints("time,index_mcp,index_pip\n", few_times, AngleDeg)});
   shapes.back().question = "the time is missing in 25 % of the rows";
   shapes.back().map_answers = false;
-  shapes.push_back(
-      {"clocks_noted", TwoJoints(
-                           "// Update Rate: 100.0Hz\nSampleTimeFine,index_mcp,index_pip\n",
-                           [](int row) { return fmt::format("{},", 100 * row); }, AngleDeg)});
-  shapes.back().question = "the lines above the table say 100 Hz, the time 10 Hz";
+  shapes.push_back({"clocks_noted",
+                    TwoJoints(
+                        "// Update Rate: 100.0Hz\nSampleTimeFine,index_mcp,index_pip\n",
+                        [](int row) { return fmt::format("{},", 100 * row); }, AngleDeg),
+                    100, "deg", joints});
   shapes.push_back(
       {"clocks_ticks",
        TwoJoints(
@@ -755,11 +757,11 @@ void AddClocks(Shapes& shapes) {
                                       row % 9, 30 + row % 40, row % 7);
   }
   shapes.back().question = "are there decimal commas between commas?";
-  shapes.push_back({"clocks_slow",
-                    TwoJoints(
-                        "timestamp,index_mcp,index_pip\n",
-                        [](int row) { return fmt::format("{},", 1000 * row); }, AngleDeg),
-                    1000, "deg", joints});
+  shapes.push_back(
+      {"clocks_slow", TwoJoints(
+                          "timestamp,index_mcp,index_pip\n",
+                          [](int row) { return fmt::format("{},", 1000 * row); }, AngleDeg)});
+  shapes.back().question = "column 1 'timestamp' rises by 1000 from row to row";
 }
 
 /// Rows of several hands or sessions in one table, headers that lack a name, and clocks that fall.
@@ -768,7 +770,7 @@ void AddParts(Shapes& shapes) {
   const auto add = [&](const char* name, std::string text, const char* question) {
     shapes.push_back({name, std::move(text), 100, "deg", joints});
     shapes.back().question = question;
-    shapes.back().map_answers = shapes.back().name.starts_with("parts_session");
+    shapes.back().map_answers = false;
   };
   const auto hands = [](int row, int sensor) {
     return row % 2 == 0 ? AngleDeg(row / 2, sensor) : 80.0 - AngleDeg(row / 2, sensor);
@@ -793,13 +795,13 @@ void AddParts(Shapes& shapes) {
       TwoJoints(
           "session_id,index_mcp,index_pip\n", [](int row) { return fmt::format("s{},", row / 40); },
           sessions),
-      "the joints jump where column 1 'session_id' changes");
+      "");
+  shapes.back().rate_hz = 50;
   add("parts_trials",
       TwoJoints(
           "trial,time,index_mcp,index_pip\n",
           [](int row) { return fmt::format("{},{:.2f},", row / 40, 0.01 * row); }, sessions),
-      "write each of the 3 parts to a file, or keep all as one recording by a map");
-  shapes.back().map_answers = true;
+      "");
   add("parts_user",
       TwoJoints(
           "user,time,index_mcp,index_pip\n",

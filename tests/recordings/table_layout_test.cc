@@ -100,14 +100,15 @@ std::string TimeOf(const std::string& header, const std::vector<std::string>& ti
   return units;
 }
 
-TEST(GuessTime, KnowsTheUnitByNameOrSize) {
+TEST(GuessTime, KnowsTheUnitByNameOrDate) {
   EXPECT_EQ(TimeOf("time_ms,a", {"0", "10", "20", "30"}), "ms ");
   EXPECT_EQ(TimeOf("time,a", {"0", "0.01", "0.02", "0.03"}), "s ");
-  EXPECT_EQ(TimeOf("time,a", {"0", "10", "20", "30"}), "ms ");
-  EXPECT_EQ(TimeOf("timestamp,a", {"0", "10000", "20000", "30000"}), "us ");
+  EXPECT_EQ(TimeOf("X_Value,a", {"0", "0.01", "0.02", "0.03"}), "s ");
   EXPECT_EQ(TimeOf("timestamp,a", {"1700000000", "1700000000.1", "1700000000.2", "1700000000.3"}),
             "s ");
   EXPECT_EQ(TimeOf("timestamp,a", {"1700000000000", "1700000000020", "1700000000040"}), "ms ");
+  EXPECT_EQ(TimeOf("x,a", {"1700000000000", "1700000000020", "1700000000040"}), "");
+  EXPECT_EQ(TimeOf("Zeit,a", {"1700000000000", "1700000000020", "1700000000040"}), "ms ");
   EXPECT_EQ(TimeOf("sec,nanosec,a", {"5,0", "5,20000000", "5,40000000"}), "s ns ");
   EXPECT_EQ(TimeOf("x,a", {"12:00:00.1", "12:00:00.2", "12:00:00.3"}), "date ");
   EXPECT_EQ(TimeOf("Date,Time,a", {"2024-05-31,12:00:00", "2024-05-31,12:00:01"}), "date date ");
@@ -118,10 +119,25 @@ TEST(GuessTime, KnowsTheUnitByNameOrSize) {
             "ms ");
 }
 
+TEST(GuessTime, AsksForTheUnitOfOtherTimes) {
+  const auto ask = [](const std::string& name, const char* unit) {
+    std::string text = name + ",a\n";
+    for (int row = 0; row < 5; ++row) text += std::to_string(20 * row) + ",0.5\n";
+    const TimeGuess time = GuessTime(LayoutOf(text), unit);
+    return time.parts.empty() ? time.question : time.parts[0].unit;
+  };
+  EXPECT_EQ(ask("time", ""), "column 1 'time' rises by 20 from row to row");
+  EXPECT_EQ(ask("clock", ""), "column 1 'clock' rises by 20 from row to row");
+  EXPECT_EQ(ask("Zeit", ""), "column 1 'Zeit' rises by 20 from row to row");
+  EXPECT_EQ(ask("Zeit", "ms"), "ms");
+  EXPECT_EQ(ask("index", ""), "");
+  EXPECT_THROW(TimeByName("in", LayoutOf("time,a\n0,1\n20,1\n40,1\n")), UserError);
+}
+
 TEST(TimeByName, TakesNoColumnByItsValuesAlone) {
   const auto scales = [](const std::string& text) {
     std::string found;
-    for (const TimeMapping& time : TimeByName(LayoutOf(text))) {
+    for (const TimeMapping& time : TimeByName("in", LayoutOf(text))) {
       found += std::to_string(time.column) + (time.is_text ? "t " : " ");
     }
     return found;

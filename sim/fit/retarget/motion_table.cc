@@ -27,7 +27,7 @@ MotionTable LoadMotionTable(const std::filesystem::path& file, const std::string
   MotionTable table;
   table.file = file.string();
   std::vector<TimeMapping> time;
-  if (rate_hz == 0.0) time = TimeByName(found.layout);
+  if (rate_hz == 0.0) time = TimeByName(csv.name(), found.layout);
   std::erase_if(time, [&](const TimeMapping& part) { return is_wanted(names[part.column]); });
   if (time.empty() && rate_hz == 0.0) {
     csv.FailInRow(1, 1, "has no column of time (as time_s); --rate tells the rows per second");

@@ -49,31 +49,23 @@ TableInput BeginningOf(TableInput input, const std::shared_ptr<bool>& is_whole) 
   };
 }
 
-bool NamesDevices(const std::string& name) {
-  return HasWordOf(WordsOf(name),
-                   "hand handedness side device sensor glove servo motor joint id track");
+/// True for the name of a column that tells hands or devices apart. One of numbers may be a
+/// sensor's, too, unless it is called so at its end.
+bool NamesDevices(const std::string& name, CellKind kind) {
+  const std::vector<std::string> words = WordsOf(name);
+  if (kind == CellKind::kNumber) {
+    return !words.empty() && IsWordOf("handedness side device id track", words.back());
+  }
+  return kind == CellKind::kText &&
+         HasWordOf(words, "hand handedness side device sensor glove servo motor joint id track");
 }
 
-/// True if the first rows have few different values: a sensor that moves has more.
-bool HasFewValues(const TableLayout& layout, std::size_t column) {
-  constexpr std::size_t kFew = 16;
-  std::set<std::string_view> values;
-  for (const std::vector<std::string>& row : layout.rows) values.insert(row[column]);
-  return values.size() <= kFew;
-}
-
-/// Columns that may tell hands, devices or sessions apart: texts, and numbers by their names.
+/// Columns that may tell hands, devices or sessions apart by their names.
 std::vector<RowGroups> GroupsToWatch(const Inspection& inspection) {
   std::vector<RowGroups> groups;
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
-    const std::string& name = inspection.columns[c].name;
-    const CellKind kind = inspection.columns[c].kind;
-    const bool is_number_of_groups = kind == CellKind::kNumber &&
-                                     (NamesParts(name) || NamesDevices(name)) &&
-                                     HasFewValues(inspection.layout, c);
-    if (kind == CellKind::kText || is_number_of_groups) {
-      groups.emplace_back(c, inspection.columns.size());
-    }
+    const InspectedColumn& column = inspection.columns[c];
+    if (NamesDevices(column.name, column.kind) || NamesParts(column.name)) groups.emplace_back(c);
   }
   return groups;
 }
@@ -104,7 +96,7 @@ TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColu
     statistics.Add(time_s, values);
     const bool is_named = time.parts.empty() && clock < values.size();
     senders.Add(is_named ? *TimeScaleS(columns[clock].name) * values[clock] : time_s, values);
-    for (RowGroups& group : groups) group.Add(time_s, values[group.column()], values);
+    for (RowGroups& group : groups) group.Add(values[group.column()]);
   }
   return statistics;
 }
@@ -227,12 +219,12 @@ void SetTime(const TimeGuess& guess, const TimeStatistics& time, double given_ra
                         : is_bursts ? "its rows come in bursts and are spread evenly"
                         : is_coarse ? "its clock repeats in many rows; the mean rate counts"
                                     : "its column has no two rows at different times";
+  inspection.time_question = guess.question;
   for (const TimePart& part : guess.parts) inspection.columns.at(part.column).is_time = true;
   if (!inspection.has_time) {
     SetRate(time, is_coarse, given_rate_hz, inspection);
     return;
   }
-  inspection.rate_is_assumed = guess.is_assumed;
   inspection.time = time;
   for (const TimePart& part : guess.parts) {
     inspection.columns.at(part.column).time_unit = part.unit;
@@ -611,6 +603,12 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   const TableStatistics statistics = ReadTable(time, inspection.columns, reader, groups, senders);
   inspection.is_whole = *is_whole;
   for (const std::string& remark : reader.remarks()) inspection.remarks.push_back(OneLine(remark));
+  for (const RowGroups& group : groups) {
+    const std::string& name = inspection.columns[group.column()].name;
+    if (!NamesParts(name) || group.count() < 2) continue;
+    inspection.remarks.push_back(fmt::format("column {} '{}' has {} values: parts of one recording",
+                                             group.column() + 1, OneLine(name, 20), group.count()));
+  }
   inspection.rows = statistics.rows();
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     if (inspection.columns[c].kind == CellKind::kNumber) {
@@ -620,7 +618,6 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   const double noted_rate_hz = RateInNotes(inspection.layout.notes);
   SetTime(time, statistics.Time(), options.rate_hz > 0.0 ? options.rate_hz : noted_rate_hz,
           inspection);
-  if (time.unit_is_guessed) inspection.noted_rate_hz = noted_rate_hz;
   KeepPicture(statistics, inspection);
   FindSenders(senders, ClockOf(time, inspection.columns), inspection);
   FindJoints(statistics, groups, options, map, reader.angle_unit(), profiles, inspection);

@@ -66,11 +66,11 @@ struct Inspection {
   std::map<std::string, std::size_t> problems;  // number of rows by problem, see NameOf()
   std::vector<std::string> remarks;             // of the source of the table
   std::string time_why;                         // reason for these time columns, or for none
+  std::string time_question;                    // that is open without times or a rate
   bool has_time = false;
   bool rate_is_known = false;
-  bool rate_is_assumed = false;  // unknown, or by the size of the times
-  double noted_rate_hz = 0.0;    // above the table, if the unit of the time is a guess; 0: none
-  TimeStatistics time;           // without time columns: rate_hz as given or assumed
+  bool rate_is_assumed = false;
+  TimeStatistics time;  // without time columns: rate_hz as given or assumed
   RawUnit unit = RawUnit::kUnknown;
   bool unit_is_assumed = false;
   bool sign_is_assumed = false;

@@ -112,21 +112,11 @@ std::string FallingTimeQuestion(const Inspection& inspection, std::span<const Ro
   return "";
 }
 
-/// A sentence if a column of time only counts the rows, in no unit that is known.
-std::string CountingTimeQuestion(const Inspection& inspection, std::span<const RowGroups>) {
-  for (std::size_t c = 0; !inspection.rate_is_known && c < inspection.columns.size(); ++c) {
-    const InspectedColumn& column = inspection.columns[c];
-    constexpr double kNearlyAll = 0.95;
-    const bool counts =
-        column.kind == CellKind::kNumber &&
-        column.statistics.counting_share - column.statistics.still_share > kNearlyAll;
-    if (inspection.has_time || !TimeScaleS(column.name) || !counts) continue;
-    return fmt::format(
-        "column {} '{}' rises by 1: milliseconds, or numbers of rows? --time-unit ms, or the rate "
-        "of the rows by --rate HZ",
-        c + 1, OneLine(column.name, 20));
-  }
-  return "";
+/// A sentence if the unit of the time is unknown, and no rate is known.
+std::string TimeUnitQuestion(const Inspection& inspection, std::span<const RowGroups>) {
+  if (inspection.rate_is_known || inspection.time_question.empty()) return "";
+  return inspection.time_question +
+         "; --time-unit s, ms, us or ns says the unit, or --rate HZ the rate of the rows";
 }
 
 /// A sentence if texts that may be the time are not understood, and the rate would be assumed.
@@ -153,7 +143,8 @@ std::string HeaderQuestion(const Inspection& inspection, std::span<const RowGrou
   constexpr double kNearlyAll = 0.95;
   const bool counts = nameless.statistics.counting_share > kNearlyAll;
   const bool is_clear = nameless.kind != CellKind::kNumber || nameless.statistics.step == 0.0 ||
-                        nameless.is_time || (!is_last && counts);
+                        nameless.is_time || (!is_last && counts) ||
+                        (!is_last && !inspection.time_question.empty());
   if (is_clear) return "";
   return fmt::format(
       "the header has {} names for {} columns, and the one without a name is unknown; name all",
@@ -192,20 +183,6 @@ std::string TimeQuestion(const Inspection& inspection, std::span<const RowGroups
                        100.0 * restarts);
   }
   return "";
-}
-
-/// A sentence if the lines above the table say another rate than the time, whose unit is a guess.
-std::string RateQuestion(const Inspection& inspection, std::span<const RowGroups>) {
-  constexpr double kFar = 1.5;
-  const double ratio = inspection.noted_rate_hz / inspection.time.rate_hz;
-  if (!inspection.has_time || inspection.noted_rate_hz == 0.0 ||
-      (ratio < kFar && ratio > 1.0 / kFar)) {
-    return "";
-  }
-  return fmt::format(
-      "the lines above the table say {:.5g} Hz, the time {:.5g} Hz; the unit of the time is "
-      "unknown",
-      inspection.noted_rate_hz, inspection.time.rate_hz);
 }
 
 /// A sentence if rows of several tables are below each other.
@@ -290,42 +267,18 @@ std::string RateBeyondQuestion(const Inspection& inspection, std::span<const Row
   const double rate_hz = inspection.time.rate_hz;
   if (rate_hz >= kSlowest_hz && rate_hz <= kFastest_hz) return "";
   return fmt::format(
-      "{:.4g} rows per second, must be from 1 to 10000: the unit of the time is another", rate_hz);
-}
-
-/// Columns with a joint, dead ones included: rows of two hands look like noise.
-std::vector<std::size_t> ColumnsWithJoints(const Inspection& inspection) {
-  std::vector<std::size_t> joints;
-  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
-    if (!inspection.columns[c].channel.empty()) joints.push_back(c);
-  }
-  return joints;
-}
-
-std::string GroupText(const Inspection& inspection, const RowGroups& group) {
-  return fmt::format("column {} '{}'", group.column() + 1,
-                     OneLine(inspection.columns[group.column()].name, 20));
+      "{:.4g} rows per second, must be from 1 to 10000: the unit of the time is another "
+      "(--time-unit)",
+      rate_hz);
 }
 
 /// A sentence if rows of several hands or devices take turns.
 std::string AlternatingQuestion(const Inspection& inspection, std::span<const RowGroups> groups) {
   for (const RowGroups& group : groups) {
-    if (!group.Alternate(ColumnsWithJoints(inspection))) continue;
-    return fmt::format("rows of {} hands or devices alternate ({}); keep those of one in a file",
-                       group.count(), GroupText(inspection, group));
-  }
-  return "";
-}
-
-/// A sentence if the joints jump between sessions in one table.
-std::string JumpingQuestion(const Inspection& inspection, std::span<const RowGroups> groups) {
-  for (const RowGroups& group : groups) {
-    const std::string& name = inspection.columns[group.column()].name;
-    if (!NamesParts(name) || !group.Jump(ColumnsWithJoints(inspection))) continue;
+    if (!group.Alternate()) continue;
     return fmt::format(
-        "the joints jump where {} changes, and the clock does not start anew; write each of the {} "
-        "parts to a file, or keep all as one recording by a map",
-        GroupText(inspection, group), group.count());
+        "rows of {} hands or devices alternate (column {} '{}'); keep those of one in a file",
+        group.count(), group.column() + 1, OneLine(inspection.columns[group.column()].name, 20));
   }
   return "";
 }
@@ -352,18 +305,16 @@ constexpr StopRule kStopRules[] = {
     {AlternatingQuestion, Remedy::kInSentence, true},
     {SendersQuestion, Remedy::kInSentence, true},
     {RateBeyondQuestion, Remedy::kMap, true},
-    {JumpingQuestion, Remedy::kMap},
     {StillQuestion, Remedy::kInSentence, true},
     {TablesQuestion, Remedy::kInSentence, true},
     {RowsQuestion, Remedy::kInSentence, true},
     {TimeQuestion, Remedy::kInSentence, true},
-    {RateQuestion, Remedy::kMap},
     {HeaderQuestion, Remedy::kInSentence},
     {LongHeaderQuestion, Remedy::kInSentence},
     {OwnClocksQuestion, Remedy::kMap},
     {FallingTimeQuestion, Remedy::kInSentence},
     {TextTimeQuestion, Remedy::kInSentence},
-    {CountingTimeQuestion, Remedy::kInSentence},
+    {TimeUnitQuestion, Remedy::kInSentence},
     {ClockQuestion, Remedy::kMap},
     {RangeQuestion, Remedy::kPresetOrMap},
 };
