@@ -46,7 +46,6 @@ struct ColumnEvidence {
   bool is_text = false;
   bool is_time = false;  // is the time of the rows, or a part of it
   ColumnStatistics statistics = {};
-  std::vector<double> values = {};  // of some rows, the same for all columns
 };
 
 /// Facts about the columns of a family that rules look at.
@@ -62,19 +61,13 @@ struct FamilyFacts {
   bool is_empty = false;
   bool is_whole = true;     // only whole numbers
   bool is_counting = true;  // whole numbers that rise by 0 or 1, and seldom start anew
-  bool is_even = true;      // values of one size in all columns, as those of one glove are
-  bool holds_runs = true;   // few whole values, each for many rows
   double low = 0.0;         // of the moving columns, without their rarest values
   double high = 0.0;
-  double reach = 0.0;              // largest magnitude
-  std::size_t near_zero = 0;       // columns with both signs, or with values near zero
-  std::size_t full_percent = 0;    // columns from exactly 0 to exactly 100
-  std::size_t turns = 0;           // steps of about 360
-  double turning_span = 0.0;       // highest less lowest value of a column with such steps
-  double clock_correlation = 0.0;  // with the time or the number of the row; 0 if it falls
-  double roughness = 0.0;          // smallest noise per standard deviation
-  double norm_spread = 1.0;        // of the norm of all columns, about its mean
-  double norm = 0.0;               // its mean
+  double reach = 0.0;            // largest magnitude
+  double least_reach = 0.0;      // of a column
+  std::size_t full_percent = 0;  // columns from exactly 0 to exactly 100
+  std::size_t turns = 0;         // steps of about 360
+  double turning_span = 0.0;     // highest less lowest value of a column with such steps
 };
 
 /// Columns of one kind: the same stem of the name and the same quantity.
@@ -91,9 +84,8 @@ struct ColumnFamily {
 };
 
 /// Groups the columns of a table into families and decides the quantity of each by QuantityRules().
-/// Each column is in one family. `row_time_s` are the times of the rows of `values`; empty: none.
-std::vector<ColumnFamily> FindFamilies(std::span<const ColumnEvidence> columns,
-                                       std::span<const double> row_time_s);
+/// Each column is in one family.
+std::vector<ColumnFamily> FindFamilies(std::span<const ColumnEvidence> columns);
 
 /// The family of these columns, which are known to be sensors of a hand.
 ColumnFamily FamilyOfSensors(std::span<const ColumnEvidence> columns,

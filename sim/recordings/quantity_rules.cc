@@ -13,10 +13,6 @@ using Unit = RawUnit;
 using Facts = FamilyFacts;
 
 // Limits of the rules. Each has its reason in the row that uses it.
-constexpr double kBeyondCounts = 4294967296.0;  // 2^32
-constexpr double kClockCorrelation = 0.9999;
-constexpr double kRoughest = 0.5;
-constexpr double kLargestNormSpread = 0.01;
 constexpr double kMostVolts = 5.3;  // a supply of 5 V and its tolerance
 constexpr double kMostJoint_deg = 200.0;
 
@@ -24,9 +20,6 @@ bool Any(const Facts&) { return true; }
 bool IsText(const Facts& facts) { return facts.is_text; }
 bool IsEmpty(const Facts& facts) { return facts.is_empty; }
 bool NamesNoFinger(const Facts& facts) { return !facts.names_fingers; }
-bool IsClock(const Facts& facts) {
-  return !facts.names_fingers && facts.clock_correlation > kClockCorrelation;
-}
 bool IsRate(const Facts& facts) { return !facts.names_fingers && facts.low >= 0.0; }
 bool IsNamedNumber(const Facts& facts) { return !facts.names_fingers && facts.is_whole; }
 bool IsCounter(const Facts& facts) {
@@ -35,39 +28,19 @@ bool IsCounter(const Facts& facts) {
 bool IsNamedLabel(const Facts& facts) {
   return !facts.names_fingers && (facts.is_whole || facts.moving == 0);
 }
-bool IsLabel(const Facts& facts) {
-  return !facts.names_fingers && facts.holds_runs && facts.moving == facts.columns;
-}
 bool IsQuaternion(const Facts& facts) { return facts.axes == "wxyz"; }
 bool HasTurns(const Facts& facts) { return facts.axes == "rpy"; }
-bool HasUnitNorm(const Facts& facts) {
-  return !facts.names_fingers && facts.columns >= 3 && facts.columns <= 4 &&
-         facts.norm_spread < kLargestNormSpread && facts.norm > 0.97 && facts.norm < 1.03;
-}
 bool IsVector(const Facts& facts) { return facts.axes == "xyz"; }
 bool IsInPlane(const Facts& facts) { return facts.axes == "xy"; }
-bool SlidesByName(const Facts& facts) {
-  return !facts.names_fingers &&
-         HasWordOf(facts.words,
-                   "gripper grip jaw jaws prismatic slide slider rail linear lift finger");
-}
 /// The action of a glove or leader that LeRobot records names joints.
-bool IsCommand(const FamilyFacts& facts) {
+bool IsCommand(const Facts& facts) {
   return !facts.names_fingers || !HasWordOf(facts.words, "action actions");
-}
-bool IsBeyondCounts(const Facts& facts) { return facts.reach >= kBeyondCounts; }
-bool StandsAlone(const Facts& facts) {
-  return !facts.names_fingers && facts.moving == 0 && facts.columns == 1;
 }
 bool IsForeign(const Facts& facts) {
   return !facts.names_fingers && !facts.words.empty() &&
          std::ranges::none_of(facts.words, [](const std::string& word) {
            return IsSensorWord(word) || IsJointWord(word);
          });
-}
-bool IsRough(const Facts& facts) {
-  return !facts.names_fingers && facts.moving > 0 && facts.roughness > kRoughest &&
-         !HasWordOf(facts.words, "flex bend finger glove");
 }
 bool IsNotNegative(const Facts& facts) { return facts.low >= -0.01; }
 bool AreShares(const Facts& facts) { return IsNotNegative(facts) && facts.high <= 1.05; }
@@ -84,17 +57,13 @@ bool AreCounts(const Facts& facts) {
   return facts.is_whole && facts.low >= 0.0 &&
          (facts.reach > 180.0 || (facts.low > 20.0 && facts.reach > 100.0));
 }
-bool AreWholeDegrees(const Facts& facts) {
-  return facts.is_whole && facts.reach > 4.0 && facts.reach <= 180.0;
+/// Shares and volts are not negative, and not called by a joint.
+bool FitHalfTurn(const Facts& facts) {
+  return (facts.names_joints || !IsNotNegative(facts)) && facts.reach <= std::numbers::pi;
 }
-bool AreVolts(const Facts& facts) {
-  return !facts.names_joints && IsNotNegative(facts) && facts.high <= kMostVolts;
+bool FitJoints(const Facts& facts) {
+  return facts.reach <= kMostJoint_deg && (facts.names_joints || facts.reach > kMostVolts);
 }
-bool AreVoltsOfDividers(const Facts& facts) {
-  return AreVolts(facts) && 2 * facts.near_zero <= facts.columns;
-}
-bool FitHalfTurn(const Facts& facts) { return facts.reach <= std::numbers::pi; }
-bool FitJoints(const Facts& facts) { return facts.reach <= kMostJoint_deg; }
 
 constexpr std::string_view kDegWords = "deg degree degrees";
 constexpr std::string_view kRadWords = "rad radian radians";
@@ -107,9 +76,6 @@ constexpr QuantityRule kRules[] = {
      "secs "
      "nsecs nanosec",
      NamesNoFinger, "another time, by its name", "header.stamp of ROS, timestamp of LeRobot"},
-    {"clock_by_values", kTime, Unit::kUnknown, false, "", IsClock,
-     "another time: it rises with the time in every row",
-     "second clocks of VMG 30 and Shimmer logs; no joint moves on a line"},
     {"rate", kRate, Unit::kUnknown, false,
      "rate hz fps sampling frequency freq dt interval period latency", IsRate,
      "a rate or interval of rows, by its name", "sampling_hz of flex glove logs"},
@@ -125,8 +91,6 @@ constexpr QuantityRule kRules[] = {
      "exercise "
      "phase marker trigger event annotation object",
      IsNamedLabel, "a label, by its name", "stimulus, exercise of Ninapro"},
-    {"label_by_values", kLabel, Unit::kUnknown, false, "", IsLabel,
-     "a label: few whole numbers, each for many rows", "stimulus columns without a header"},
     {"quaternion_axes", kOrientation, Unit::kUnknown, false, "", IsQuaternion,
      "an orientation: w, x, y, z", "quaternions of motion sensors"},
     {"orientation_by_name", kOrientation, Unit::kUnknown, false,
@@ -135,18 +99,13 @@ constexpr QuantityRule kRules[] = {
      Any, "an orientation, by its name", "pose.orientation of ROS, Euler angles of motion sensors"},
     {"roll_pitch_yaw", kOrientation, Unit::kUnknown, false, "", HasTurns,
      "an orientation: roll, pitch, yaw", "angles of a motion sensor on the back of the hand"},
-    {"constant_norm", kOrientation, Unit::kUnknown, false, "", HasUnitNorm,
-     "an orientation: its columns have a constant norm of 1",
-     "unit quaternions and directions without a header"},
     {"acceleration", kAcceleration, Unit::kUnknown, false,
-     "acc accel acceleration accelerometer accelerations gravity", Any,
+     "acc accel acceleration accelerometer accelerations gravity imu", Any,
      "an acceleration, by its name", "motion sensors"},
     {"angular_rate", kAngularRate, Unit::kUnknown, false, "gyr gyro gyroscope omega angvel", Any,
      "an angular rate, by its name", "motion sensors"},
     {"magnetic_field", kMagneticField, Unit::kUnknown, false, "mag magnetometer magnetic", Any,
      "a magnetic field, by its name", "motion sensors"},
-    {"motion_sensor", kAcceleration, Unit::kUnknown, false, "imu", Any,
-     "a motion sensor, by its name", "motion sensors"},
     {"velocity", kVelocity, Unit::kUnknown, false,
      "velocity velocities vel speed qvel dq qd dot dps rpm", Any, "a velocity, by its name",
      "velocity of JointState of ROS"},
@@ -169,22 +128,14 @@ constexpr QuantityRule kRules[] = {
      "command commands commanded cmd target targets goal desired setpoint action actions pwm duty",
      IsCommand, "a command, by its name", "action of LeRobot, goal_position of Dynamixel"},
     {"distance", kPosition, Unit::kUnknown, false,
-     "distance dist length mm cm metre metres meter meters aperture height width", Any,
+     "distance dist length m mm cm metre metres meter meters aperture height width", Any,
      "a distance, by its name", "apertures of motion capture"},
-    {"metres", kPosition, Unit::kUnknown, false, "m", SlidesByName,
-     "metres of a joint that slides, by its name", "position of JointState of ROS, gripper_m"},
     {"position", kPosition, Unit::kUnknown, false, "", IsVector, "a vector in space: x, y, z",
      "Thumb_MCP_Position_X of Manus, landmarks of MediaPipe"},
     {"plane", kPosition, Unit::kUnknown, false, "", IsInPlane, "a point in a plane: x, y",
      "landmarks in an image, sticks of controllers"},
-    {"beyond_counts", kUnknown, Unit::kUnknown, false, "", IsBeyondCounts,
-     "numbers beyond 32 bits, which no converter has", "converters have up to 24 bits"},
-    {"constant", kUnknown, Unit::kUnknown, false, "", StandsAlone, "it never changes",
-     "settings that are repeated in each row"},
     {"foreign_name", kUnknown, Unit::kUnknown, false, "", IsForeign,
      "its name is neither a finger's nor a glove's", "columns of other devices"},
-    {"rough", kUnknown, Unit::kUnknown, false, "", IsRough,
-     "it changes from row to row more than a hand does", "muscle signals without a header"},
 
     {"deg_by_name", kSensor, Unit::kDegrees, false, kDegWords, Any, "the names say degrees",
      "suffixes of column names"},
@@ -206,20 +157,14 @@ constexpr QuantityRule kRules[] = {
      "whole numbers, more than an angle has", "converters give whole numbers from 0"},
     {"percent", kSensor, Unit::kShare, true, "", HitPercents, "from exactly 0 to exactly 100",
      "curl of hand trackers in percent"},
-    {"whole_degrees", kSensor, Unit::kDegrees, true, "", AreWholeDegrees,
-     "whole numbers, as many as a joint has degrees", "servo and exoskeleton logs"},
     {"share", kSensor, Unit::kShare, true, "", ReachShares, "within 0 and 1",
      "normalised sensors of data gloves"},
-    {"divider_volts", kSensor, Unit::kVolts, true, "", AreVoltsOfDividers,
-     "away from zero as a voltage divider is", "bend sensors at 3.3 or 5 V"},
     {"radians", kSensor, Unit::kRadians, true, "", FitHalfTurn,
      "no more than half a turn in radians", "joints of ROS and MuJoCo"},
-    {"volts", kSensor, Unit::kVolts, true, "", AreVolts, "more than radians, less than degrees",
-     "bend sensors at 3.3 or 5 V"},
     {"degrees", kSensor, Unit::kDegrees, true, "", FitJoints, "as many as a joint has degrees",
      "most gloves with a calibration"},
-    {"large_counts", kSensor, Unit::kCounts, true, "", Any, "beyond the degrees of a joint",
-     "filtered or scaled counts"},
+    {"unknown_unit", kSensor, Unit::kUnknown, false, "", Any, "of an unknown unit",
+     "bend sensors at 3.3 or 5 V, filtered or scaled counts"},
 };
 
 }  // namespace

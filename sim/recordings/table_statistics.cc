@@ -33,24 +33,17 @@ void Halve(std::vector<double>& values, std::size_t width) {
   values.resize(kept * width);
 }
 
-/// Deviation, most frequent value and number of values of these rows.
-void DescribeValues(std::vector<double> values, ColumnStatistics& statistics) {
-  if (values.empty()) return;
-  const auto rows = static_cast<double>(values.size());
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  double squares = 0.0;
-  for (const double value : values) squares += (value - sum / rows) * (value - sum / rows);
-  statistics.deviation = std::sqrt(squares / rows);
+/// Share of the most frequent value among these.
+double CommonestShare(std::vector<double> values) {
+  if (values.empty()) return 0.0;
   std::ranges::sort(values);
-  std::size_t most = 0;
+  std::ptrdiff_t longest = 0;
   for (auto run = values.begin(); run != values.end();) {
     const auto behind = std::upper_bound(run, values.end(), *run);
-    most = std::max(most, static_cast<std::size_t>(behind - run));
-    ++statistics.values;
+    longest = std::max(longest, behind - run);
     run = behind;
   }
-  statistics.commonest_share = static_cast<double>(most) / rows;
+  return static_cast<double>(longest) / static_cast<double>(values.size());
 }
 
 /// Mean of the values within a fifth of their median: times that are rounded have a coarse median.
@@ -196,7 +189,7 @@ ColumnStatistics TableStatistics::Column(std::size_t column) const {
   constexpr double kRareShare = 0.005;
   statistics.usual_low = values.empty() ? watch.low : Quantile(values, kRareShare);
   statistics.usual_high = values.empty() ? watch.high : Quantile(values, 1.0 - kRareShare);
-  DescribeValues(std::move(values), statistics);
+  statistics.commonest_share = CommonestShare(std::move(values));
   const double rows = static_cast<double>(std::max<std::size_t>(watch.good_rows, 1));
   statistics.still_share = static_cast<double>(watch.still_rows) / rows;
   // The lowest value of noise is rare. The value of a saturated sensor is frequent.

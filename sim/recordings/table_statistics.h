@@ -21,9 +21,7 @@ struct ColumnStatistics {
   double still_share = 0.0;    // rows equal to the row before
   double clipped_share = 0.0;  // rows at the lowest or highest value, if frequent
   std::size_t longest_still_rows = 0;
-  double deviation = 0.0;        // standard deviation of the rows
   double commonest_share = 0.0;  // rows with the most frequent value
-  std::size_t values = 0;        // different ones
   double falling_share = 0.0;    // steps to a lower value
   double counting_share = 0.0;   // steps of 0 or 1
   std::size_t turns = 0;         // steps of about 360

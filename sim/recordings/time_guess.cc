@@ -214,6 +214,7 @@ TimeGuess GuessOf(std::size_t column, const std::string& name, double first, dou
   return {.parts = {},
           .why = "its unit is unknown",
           .question = QuestionOf(column, name, step),
+          .asked = column,
           .is_named = TimeScaleS(name).has_value()};
 }
 
@@ -249,6 +250,7 @@ TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
       if (dates.empty()) best.why = fmt::format("column {} only counts the rows", column + 1);
       if (TimeScaleS(name) && best.question.empty()) {
         best.question = QuestionOf(column, name, 1.0);
+        best.asked = column;
       }
     } else if (is_named) {
       if (!unit.empty()) return {{{column, unit}}, "in the unit that is given"};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,9 @@ struct TimePart {
 struct TimeGuess {
   std::vector<TimePart> parts;  // empty: no time columns
   std::string why;
-  std::string question = {};  // that is open while there are no parts; empty: none
-  bool is_named = true;       // false: found by its values alone
+  std::string question = {};              // that is open while there are no parts; empty: none
+  std::optional<std::size_t> asked = {};  // the column that the question is about
+  bool is_named = true;                   // false: found by its values alone
 };
 
 /// Finds the time columns by their names and first rows. A column of numbers has the unit `unit`,

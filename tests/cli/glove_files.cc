@@ -337,9 +337,10 @@ std::vector<GloveFile> TextFiles() {
   add("no_time_label.csv", 0, "share", 5,
       Text({.header = "label,ch0_norm,ch1_norm,ch2_norm,ch3_norm,ch4_norm"}, 50, 5, Shares(50),
            [](int) { return "V,"; }));
-  add("iso_volts.csv", 20, "volts", 5,
+  add("iso_volts.csv", 20, "unknown", 5,
       Text({.header = "datetime," + std::string(kFive)}, 20, 5, Volts(20),
            [](int row) { return "2024-05-31T" + Clock(row, 20, '.') + "Z,"; }));
+  files.back().question = "of an unknown unit; --unit deg, rad, counts";
   add("date_and_clock.csv", 25, "counts", 5,
       Text({.header = "Date,Time," + std::string(kFive)}, 25, 5, Counts(10, 25),
            [](int row) { return "31.05.2024," + Clock(row, 25, '.') + ","; }));
@@ -444,8 +445,9 @@ std::vector<GloveFile> GloveFiles() {
                    Bytes(Npy<std::int16_t>("<i2", shape(150, 5), Matrix(50, 5, Counts(12, 50))))});
   files.push_back({"structure.mat", 100, "deg", 5,
                    [](const fs::path& file) { WriteStructMat(file, 100, 5, Degrees(100)); }});
-  files.push_back({"turned.mat", 100, "volts", 5,
+  files.push_back({"turned.mat", 100, "unknown", 5,
                    [](const fs::path& file) { WriteTurnedMat(file, 100, 5, Volts(100)); }});
+  files.back().question = "of an unknown unit; --unit deg, rad, counts";
   files.push_back({"seven_three.mat", 100, "rad", 5,
                    [](const fs::path& file) { WriteMat73(file, 100, 5, Radians(100)); }});
   files.push_back({"robot.hdf5", 50, "rad", 14,

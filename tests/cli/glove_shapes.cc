@@ -194,7 +194,7 @@ void AddNamelessMotionSensor(Shapes& shapes) {
   Joints joints;
   for (int i = 0; i < 5; ++i) joints[std::to_string(i + 2)] = kFlex5[i];
   shapes.push_back({"motion_nameless", nameless.Text(",", false), 100, "counts", joints});
-  shapes.back().question = "column 1 rises by 0.01 from row to row";
+  shapes.back().question = "columns 2 to 10: 9 sensors [unknown], of different sizes";
 }
 
 void AddMotionSensors(Shapes& shapes) {
@@ -303,7 +303,7 @@ void AddTurned(Shapes& shapes) {
     for (int i = 0; i < sensors; ++i) table.Add("", Radians(i));
     table.Add("", Clock(1.0 / 86400 / 50, 738000.25));
     GloveShape shape = {fmt::format("turned_{}", sensors), table.Turned(), 50, "rad"};
-    if (sensors == 15) shape.question = "15 sensors";
+    shape.question = sensors == 15 ? "15 sensors" : "of an unknown unit; --unit deg, rad";
     for (int i = 0; i < 5; ++i) shape.joints[std::to_string(i + 1)] = kFlex5[i];
     shapes.push_back(shape);
   }

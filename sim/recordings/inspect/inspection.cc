@@ -220,6 +220,7 @@ void SetTime(const TimeGuess& guess, const TimeStatistics& time, double given_ra
                         : is_coarse ? "its clock repeats in many rows; the mean rate counts"
                                     : "its column has no two rows at different times";
   inspection.time_question = guess.question;
+  if (guess.asked) inspection.columns.at(*guess.asked).is_time = true;
   for (const TimePart& part : guess.parts) inspection.columns.at(part.column).is_time = true;
   if (!inspection.has_time) {
     SetRate(time, is_coarse, given_rate_hz, inspection);
@@ -267,18 +268,15 @@ int BitsFor(double high) {
   return 32;
 }
 
-std::vector<ColumnEvidence> EvidenceOf(const Inspection& inspection,
-                                       const TableStatistics& statistics) {
+std::vector<ColumnEvidence> EvidenceOf(const Inspection& inspection) {
   std::vector<ColumnEvidence> evidence;
   const std::vector<std::string> names = WithFingers(inspection.layout.names);
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     const InspectedColumn& column = inspection.columns[c];
-    const bool is_number = column.kind == CellKind::kNumber;
     evidence.push_back({.name = names[c],
-                        .is_text = !is_number,
+                        .is_text = column.kind != CellKind::kNumber,
                         .is_time = column.is_time,
-                        .statistics = column.statistics,
-                        .values = is_number ? statistics.KeptValues(c) : std::vector<double>()});
+                        .statistics = column.statistics});
   }
   return evidence;
 }
@@ -506,16 +504,14 @@ void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
   }
 }
 
-void FindJoints(const TableStatistics& statistics, const std::vector<RowGroups>& groups,
-                const InspectionOptions& options, const std::optional<ColumnMap>& map,
-                const std::string& angle_unit, const std::vector<Profile>& profiles,
-                Inspection& inspection) {
-  const std::vector<ColumnEvidence> evidence = EvidenceOf(inspection, statistics);
+void FindJoints(const std::vector<RowGroups>& groups, const InspectionOptions& options,
+                const std::optional<ColumnMap>& map, const std::string& angle_unit,
+                const std::vector<Profile>& profiles, Inspection& inspection) {
+  const std::vector<ColumnEvidence> evidence = EvidenceOf(inspection);
   try {
     const std::vector<ColumnFamily> families =
         options.columns ? GivenFamily(evidence, options.columns->first, options.columns->second)
-                        : FindFamilies(evidence, inspection.has_time ? statistics.kept_times_s()
-                                                                     : std::vector<double>());
+                        : FindFamilies(evidence);
     SetJoints(families,
               ChooseJoints({.columns = evidence,
                             .families = families,
@@ -620,7 +616,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
           inspection);
   KeepPicture(statistics, inspection);
   FindSenders(senders, ClockOf(time, inspection.columns), inspection);
-  FindJoints(statistics, groups, options, map, reader.angle_unit(), profiles, inspection);
+  FindJoints(groups, options, map, reader.angle_unit(), profiles, inspection);
   ComputeEnvelopeStatistics(file, std::move(*opened.table), time, inspection);
   return inspection;
 }

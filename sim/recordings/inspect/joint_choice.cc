@@ -302,6 +302,13 @@ NamedColumns ColumnsWithJoints(const JointEvidence& evidence, const std::string&
   return named;
 }
 
+/// A sentence if the unit is in no name and no profile, and the values may be of several.
+std::string UnitQuestion(const JointChoice& choice) {
+  if (choice.unit != RawUnit::kUnknown) return "";
+  return fmt::format("{}: {}; --unit deg, rad, counts, share, percent or volts says it",
+                     ColumnsText(choice.columns), choice.unit_why);
+}
+
 /// True if a question was asked or joints were found.
 bool ChooseByNames(const JointEvidence& evidence, const JointOptions& options,
                    JointChoice& choice) {
@@ -329,11 +336,26 @@ bool ChooseByNames(const JointEvidence& evidence, const JointOptions& options,
   const bool any_joint = std::ranges::any_of(
       choice.joints, [](const ColumnJoint& joint) { return !joint.channel.empty(); });
   if (!any_joint && choice.question.empty()) choice.question = "no name of a column is a joint's";
+  if (choice.question.empty()) choice.question = UnitQuestion(choice);
   for (ColumnJoint& joint : choice.joints) {
     // A word that is not known may say that it is no angle of the joint.
     if (!other.empty()) joint.basis = JointBasis::kAssumed;
   }
   return true;
+}
+
+/// Profiles of sensors that may be among these columns, with clocks and labels beside them.
+std::vector<const Profile*> OfAboutThisWidth(std::size_t columns,
+                                             const std::vector<Profile>& profiles) {
+  constexpr double kMostShare = 1.1;
+  std::vector<const Profile*> found;
+  for (const Profile& profile : profiles) {
+    const std::vector<double>& width = profile.match.columns;
+    if (!profile.match.names.empty() || width.empty()) continue;
+    const auto count = static_cast<double>(columns);
+    if (count >= width.front() && count <= kMostShare * width.back()) found.push_back(&profile);
+  }
+  return found;
 }
 
 /// True for as many values as x, y and z of 21, 25 or 26 points have, of one hand or two.
@@ -362,8 +384,9 @@ void ChooseByNumber(const JointEvidence& evidence, const JointOptions& options,
         ColumnsText(family.columns), ColumnsText(sensors[1]->columns));
     return;
   }
-  const bool may_be_ordered =
-      std::ranges::all_of(family.facts.words, IsSensorWord) && family.facts.is_even;
+  constexpr double kLargestRatio = 50.0;  // of sensors of one glove
+  const bool is_even = family.facts.reach <= kLargestRatio * family.facts.least_reach;
+  const bool may_be_ordered = std::ranges::all_of(family.facts.words, IsSensorWord) && is_even;
   const auto known =
       ProfilesWith(ProfileEvidence::kKnown, FactsOfSensors(evidence, family), profiles, false);
   if (may_be_ordered && known.size() == 1) {
@@ -377,11 +400,12 @@ void ChooseByNumber(const JointEvidence& evidence, const JointOptions& options,
       choice.joints[static_cast<std::size_t>(place - choice.columns.begin())] =
           by_profile.joints[i];
     }
+    choice.question = UnitQuestion(choice);
     return;
   }
   choice.question = fmt::format(
       "{}: {} [{}], {}{}", ColumnsText(family.columns), SensorsText(family.columns.size()),
-      NameOf(choice.unit), family.facts.is_even ? "whose joints are unknown" : "of different sizes",
+      NameOf(choice.unit), is_even ? "whose joints are unknown" : "of different sizes",
       family.columns.size() > 2 * KnownChannels().size() && !MayBePoints(family.columns.size())
           ? ", more than a hand has; if a row is a window of samples, write one sample "
             "a row"
@@ -392,10 +416,10 @@ void ChooseByNumber(const JointEvidence& evidence, const JointOptions& options,
   }
   choice.asks_joints = true;
   constexpr std::size_t kMost = 4;  // more say nothing
-  const auto possible = known.empty()
-                            ? ProfilesWith(ProfileEvidence::kOneFact,
-                                           FactsOfSensors(evidence, family), profiles, false)
-                            : known;
+  auto possible = known.empty() ? ProfilesWith(ProfileEvidence::kOneFact,
+                                               FactsOfSensors(evidence, family), profiles, false)
+                                : known;
+  if (possible.empty()) possible = OfAboutThisWidth(family.columns.size(), profiles);
   if (possible.size() <= kMost) choice.profiles_to_ask_for = NamesOf(possible);
 }
 
