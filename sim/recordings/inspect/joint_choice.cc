@@ -419,7 +419,7 @@ void ChooseByNumber(const JointEvidence& evidence, const JointOptions& options,
   auto possible = known.empty() ? ProfilesWith(ProfileEvidence::kOneFact,
                                                FactsOfSensors(evidence, family), profiles, false)
                                 : known;
-  if (possible.empty()) possible = OfAboutThisWidth(family.columns.size(), profiles);
+  if (possible.empty() && !is_even) possible = OfAboutThisWidth(family.columns.size(), profiles);
   if (possible.size() <= kMost) choice.profiles_to_ask_for = NamesOf(possible);
 }
 
