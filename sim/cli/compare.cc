@@ -34,8 +34,8 @@ Examples:
 /// A comparison with one seed: no confidence intervals, and no database to go on from.
 struct RunCommand : StudyCommand {
   static constexpr auto kName = "run";
-  static constexpr auto kPurpose = "Run every controller of a scenario once";
-  static constexpr auto kGroup = Group::kStudy;
+  static constexpr auto kPurpose = "As compare with one seed";
+  static constexpr auto kGroup = Group::kOther;
   int seed = -1;  // -1: the scenario's
 
   Options Rows() {
@@ -45,7 +45,8 @@ struct RunCommand : StudyCommand {
   }
 
   static constexpr auto kNotes = R"(
-As compare with one seed, without confidence intervals and study.db.
+Runs every controller once, without confidence intervals and study.db. A comparison in the same
+folder is kept.
 
 Example:
   gauntlet run scenarios/hold_still.yaml --seed 7 --out out/still

@@ -29,13 +29,13 @@ namespace {
 
 struct Entry;
 
-struct Topic {
+struct Subject {
   std::string name;
   std::string summary;
   std::function<std::vector<Entry>()> entries;
 };
 
-const std::vector<Topic>& Topics();
+const std::vector<Subject>& Subjects();
 
 struct ListOptions {
   static constexpr auto kName = "list";
@@ -46,7 +46,7 @@ struct ListOptions {
 
   Options Rows() {
     return {
-        Option("what", &what, {.words = AllNames(Topics())},
+        Option("what", &what, {.words = AllNames(Subjects())},
                "one of the lists; all are named if left out"),
         Option("--json", &json, {}, "print JSON"),
     };
@@ -248,8 +248,8 @@ std::vector<Entry> Profiles() {
   return entries;
 }
 
-const std::vector<Topic>& Topics() {
-  static const std::vector<Topic> kTopics = {
+const std::vector<Subject>& Subjects() {
+  static const std::vector<Subject> kSubjects = {
       {"filters", "what a controller can do with the noise", FilterEntries},
       {"predictions", "how a controller can look ahead",
        [] { return EntriesOf(controller::PredictionKinds()); }},
@@ -263,7 +263,7 @@ const std::vector<Topic>& Topics() {
       {"scenarios", "ready questions", Scenarios},
       {"keys", "every key of a scenario file", ScenarioKeys},
   };
-  return kTopics;
+  return kSubjects;
 }
 
 /// At a terminal in lines that fit; else in one line, for those who search.
@@ -278,8 +278,8 @@ void PrintIndented(const std::string& text) {
   Print("{}{}\n", std::string(kIndent, ' '), lines);
 }
 
-void PrintTopic(const Topic& topic) {
-  for (const Entry& entry : topic.entries()) {
+void PrintSubject(const Subject& subject) {
+  for (const Entry& entry : subject.entries()) {
     Print("{}\n", entry.name);
     PrintIndented(entry.summary);
     for (const std::string& detail : entry.details) PrintIndented(detail);
@@ -295,9 +295,9 @@ void PrintTopic(const Topic& topic) {
   }
 }
 
-Json JsonOf(const Topic& topic) {
+Json JsonOf(const Subject& subject) {
   Json json = Json::array();
-  for (const Entry& entry : topic.entries()) {
+  for (const Entry& entry : subject.entries()) {
     Json settings = Json::array();
     for (const SettingRow& row : entry.settings) {
       settings.push_back({{"key", row.key},
@@ -316,24 +316,24 @@ void List(const ListOptions& options) {
   if (options.what.empty()) {
     if (options.json) {
       Json all;
-      for (const Topic& topic : Topics()) all[topic.name] = JsonOf(topic);
+      for (const Subject& subject : Subjects()) all[subject.name] = JsonOf(subject);
       Print("{}\n", all.dump(2));
       return;
     }
-    for (const Topic& topic : Topics()) {
-      Print("gauntlet list {:<11} {}\n", topic.name, topic.summary);
+    for (const Subject& subject : Subjects()) {
+      Print("gauntlet list {:<11} {}\n", subject.name, subject.summary);
     }
     return;
   }
-  const Topic* topic = FindNamed(Topics(), options.what);
-  if (topic == nullptr) {
+  const Subject* subject = FindNamed(Subjects(), options.what);
+  if (subject == nullptr) {
     throw UserError({.place = "list " + options.what,
-                     .problem = "unknown list" + Suggestion(options.what, AllNames(Topics()))});
+                     .problem = "unknown list" + Suggestion(options.what, AllNames(Subjects()))});
   }
   if (options.json) {
-    Print("{}\n", JsonOf(*topic).dump(2));
+    Print("{}\n", JsonOf(*subject).dump(2));
   } else {
-    PrintTopic(*topic);
+    PrintSubject(*subject);
   }
 }
 

@@ -175,7 +175,7 @@ TEST(StudyDifferenceJson, HoldsEveryScore) {
   const StudyFolder a = Folder(5.0, 1, 4);
   StudyFolder b = Folder(4.0, 1, 4);
   b.scenario.seed = 2;
-  const auto json = Json::parse(StudyDifferenceJson(a, b, CompareStudies(a, b)));
+  const auto json = Json::parse(StudyDifferenceJson(a, b, CompareStudies(a, b)).dump());
   EXPECT_EQ(json["same"], false);
   EXPECT_EQ(json["method"], "paired");
   EXPECT_EQ(json["settings"][0], Json::parse(R"({"key": "seed", "a": "1", "b": "2"})"));

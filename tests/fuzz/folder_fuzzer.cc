@@ -77,7 +77,7 @@ class Folder {
         }
       }
       const StudyDifference difference = CompareStudies(good_, folder);
-      StudyDifferenceJson(good_, folder, difference);
+      StudyDifferenceJson(good_, folder, difference).dump();
       if (is_manifest && !difference.Same()) std::abort();
     } catch (const UserError& error) {
       if (std::string_view(error.what()).find('\n') != std::string_view::npos) std::abort();

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "sim/base/json.h"
 #include "sim/score/score.h"
 #include "sim/score/statistics/result_cells.h"
 
@@ -270,8 +269,8 @@ ResultTable ScoreDifferences(const StudyDifference& difference, bool all, bool v
   return table;
 }
 
-std::string StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,
-                                const StudyDifference& difference) {
+Json StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,
+                         const StudyDifference& difference) {
   constexpr const char* kMethods[] = {"paired", "unpaired", "plain"};
   Json json;
   json["same"] = difference.Same();
@@ -288,7 +287,7 @@ std::string StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,
   json["method"] = kMethods[static_cast<int>(difference.method)];
   json["common_seeds"] = difference.common_seeds;
   json["scores"] = JsonOf(ScoreDifferences(difference, true, false));
-  return json.dump(2) + "\n";
+  return json;
 }
 
 }  // namespace gauntlet::sim

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/answers/compare/study_folder.h"
+#include "sim/base/json.h"
 #include "sim/results/result_table.h"
 #include "sim/score/statistics/statistics.h"
 
@@ -76,8 +77,8 @@ double SizeOf(const ScoreDifference& score);
 ResultTable ScoreDifferences(const StudyDifference& difference, bool all, bool verbose);
 
 /// The difference as JSON.
-std::string StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,
-                                const StudyDifference& difference);
+Json StudyDifferenceJson(const StudyFolder& a, const StudyFolder& b,
+                         const StudyDifference& difference);
 
 /// "better", "worse", ...: what a change means for B.
 std::string_view ChangeText(ScoreChange change);

@@ -6,8 +6,9 @@
 
 namespace gauntlet::sim {
 
-/// Findings of gauntlet validate as a page without scripts: the table of the terminal, and for each
-/// part the measured angle beside the simulated one where it moves most, and their difference.
+/// Findings of gauntlet identify --validate as a page without scripts: the table of the terminal,
+/// and for each part the measured angle beside the simulated one where it moves most, and their
+/// difference.
 std::string ValidationPage(const Validation& validation);
 
 }  // namespace gauntlet::sim
