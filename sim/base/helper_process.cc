@@ -11,7 +11,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
@@ -20,7 +19,6 @@
 #include <mutex>
 #include <new>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <utility>
 

@@ -14,7 +14,6 @@
 #include "sim/base/threads.h"
 #include "sim/cli/interrupt.h"
 #include "sim/cli/progress.h"
-#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/study/trial_table/trial_table.h"
 

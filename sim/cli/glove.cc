@@ -1,8 +1,6 @@
-#include <fmt/format.h>
 
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "sim/base/error.h"

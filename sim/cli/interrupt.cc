@@ -6,7 +6,6 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
-#include <initializer_list>
 #include <string>
 #include <string_view>
 

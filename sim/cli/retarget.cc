@@ -1,7 +1,5 @@
-#include <fmt/format.h>
 
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "sim/base/data_folder.h"

@@ -1,7 +1,5 @@
 #include "sim/cli/study_command.h"
 
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -13,12 +11,10 @@
 #include "sim/base/manifest.h"
 #include "sim/base/output_folder.h"
 #include "sim/base/signal_storage.h"
-#include "sim/base/text.h"
 #include "sim/base/threads.h"
 #include "sim/cli/interrupt.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/recording_scenario.h"
-#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/score/priority.h"
 #include "sim/show/pages/score_table.h"

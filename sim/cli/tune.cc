@@ -19,7 +19,6 @@
 #include "sim/settings/yaml_tree.h"
 #include "sim/show/pages/tune_all_page.h"
 #include "sim/show/pages/tune_page.h"
-#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study.h"
 #include "sim/trial/external/external_filters.h"
 

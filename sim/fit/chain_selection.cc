@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "controller/assert.h"
-
 namespace gauntlet::sim {
 namespace {
 

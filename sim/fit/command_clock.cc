@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <numeric>
-#include <utility>
 
 #include "controller/assert.h"
 

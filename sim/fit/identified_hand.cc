@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "sim/fit/identified_servo.h"
 #include "sim/settings/yaml_writer.h"

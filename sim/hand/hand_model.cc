@@ -10,7 +10,6 @@
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
-#include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
 #include "sim/hand/assembly_error.h"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/channels.h"

@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "controller/periodic_clock.h"
-#include "controller/timing.h"
 #include "sim/score/delay.h"
 #include "sim/score/low_pass.h"
 #include "sim/score/no_score.h"

@@ -1,7 +1,6 @@
 #include "sim/score/score_config.h"
 
 #include <cmath>
-#include <string>
 
 #include "sim/score/jitter.h"
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "controller/assert.h"
 #include "sim/score/delay.h"

@@ -1,6 +1,5 @@
 #include "sim/study/cause_plan.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "sim/study/cause_trials.h"

@@ -1,7 +1,5 @@
 #include "sim/study/noise_free_twin.h"
 
-#include "sim/study/repeats.h"
-
 namespace gauntlet::sim {
 
 TwinSource TwinOf(const Study& study, int seed) {

@@ -8,7 +8,6 @@
 
 #include "controller/angle_estimator.h"
 #include "controller/assert.h"
-#include "controller/prediction/fitted_to_others_prediction.h"
 #include "sim/study/study_identity.h"
 
 namespace gauntlet::sim {

@@ -7,8 +7,6 @@
 #include <array>
 #include <bit>
 #include <cctype>
-#include <cmath>
-#include <cstring>
 
 #include "sim/base/error.h"
 #include "sim/base/json.h"

@@ -11,7 +11,6 @@
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/tables/damaged_file.h"
-#include "sim/tables/missing.h"
 
 namespace gauntlet::sim {
 namespace {

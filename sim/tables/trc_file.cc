@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "controller/number.h"
 #include "sim/base/csv_line.h"

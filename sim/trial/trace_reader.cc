@@ -4,9 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <system_error>
-#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/helper_process.h"

@@ -11,7 +11,6 @@
 #include "controller/number.h"
 #include "sim/answers/sweep/sobol.h"
 #include "sim/base/error.h"
-#include "sim/base/nearest_name.h"
 #include "sim/base/random.h"
 #include "sim/base/text.h"
 #include "sim/score/score.h"

@@ -10,7 +10,6 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/stop.h"
-#include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study_identity.h"
 
 namespace gauntlet::sim {

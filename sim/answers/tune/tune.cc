@@ -16,7 +16,6 @@
 #include "sim/base/text.h"
 #include "sim/score/priority.h"
 #include "sim/score/statistics/result_cells.h"
-#include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {

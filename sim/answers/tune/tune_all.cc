@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "sim/answers/tune/filter_search.h"
 #include "sim/answers/tune/tune_bench.h"

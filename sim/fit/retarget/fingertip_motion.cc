@@ -12,7 +12,6 @@
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
 #include "sim/fit/retarget/motion_table.h"
-#include "sim/tables/name_words.h"
 
 namespace gauntlet::sim {
 namespace {

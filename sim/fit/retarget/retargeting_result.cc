@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numeric>
-#include <utility>
 
 #include "sim/base/csv_line.h"
 #include "sim/base/json.h"

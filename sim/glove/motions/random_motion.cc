@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/base/channels.h"
 #include "sim/base/random.h"
 #include "sim/base/stop.h"
 #include "sim/glove/motions/postures.h"

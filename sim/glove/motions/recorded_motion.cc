@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
-#include <span>
 #include <utility>
 
 #include "sim/base/channels.h"

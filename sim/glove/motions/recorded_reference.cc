@@ -5,9 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include "sim/base/channels.h"
 #include "sim/base/error.h"
 
 namespace gauntlet::sim {

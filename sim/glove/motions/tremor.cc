@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "controller/assert.h"
-#include "sim/base/channels.h"
 #include "sim/base/random.h"
 #include "sim/glove/motions/motion.h"
 #include "sim/glove/motions/settings_of_motions.h"

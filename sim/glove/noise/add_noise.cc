@@ -5,7 +5,6 @@
 #include <cmath>
 #include <span>
 
-#include "sim/base/channels.h"
 #include "sim/base/random.h"
 #include "sim/base/stop.h"
 #include "sim/glove/noise/box_muller.h"

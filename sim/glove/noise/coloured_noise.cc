@@ -1,7 +1,6 @@
 #include "sim/glove/noise/coloured_noise.h"
 
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <vector>
 

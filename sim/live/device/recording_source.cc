@@ -1,12 +1,8 @@
 #include "sim/live/device/recording_source.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "sim/base/error.h"

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "sim/score/statistics/result_cells.h"
 #include "sim/show/pages/controller_rows.h"
 
 namespace gauntlet::sim {

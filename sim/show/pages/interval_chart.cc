@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "sim/answers/robust/robust_tables.h"
-#include "sim/results/table_text.h"
 #include "sim/score/statistics/result_cells.h"
 #include "sim/show/figure/panel.h"
 

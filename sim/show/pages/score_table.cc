@@ -5,11 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <iterator>
-#include <limits>
 #include <map>
-#include <numeric>
 #include <utility>
 #include <vector>
 

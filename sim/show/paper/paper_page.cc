@@ -12,9 +12,7 @@
 
 #include "controller/filters/paper_noise.h"
 #include "paper_html.h"
-#include "sim/answers/compare/comparison_verdict.h"
 #include "sim/answers/compare/study_files.h"
-#include "sim/glove/noise/galton_board.h"
 #include "sim/results/html_text.h"
 #include "sim/results/table_text.h"
 #include "sim/show/figure/palette.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"

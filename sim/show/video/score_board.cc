@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <fstream>
 #include <numeric>
-#include <string_view>
 
 #include "sim/base/error.h"
 #include "sim/base/json.h"

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <set>
 
 #include "sim/base/error.h"
 #include "sim/base/input_file.h"
