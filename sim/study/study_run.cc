@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstddef>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "sim/base/error.h"
@@ -12,8 +16,8 @@
 #include "sim/score/no_score.h"
 #include "sim/study/cause_trials.h"
 #include "sim/study/repeats.h"
+#include "sim/study/study.h"
 #include "sim/study/study_room.h"
-#include "sim/study/trial_queue.h"
 #include "sim/study/trial_score.h"
 #include "sim/trial/external/external_filters.h"
 #include "sim/trial/filter_trial.h"
@@ -22,6 +26,71 @@
 
 namespace gauntlet::sim {
 namespace {
+
+/// The glove signals of one seed, made by the first trial that needs them. They live as long as
+/// the tasks that hold them.
+struct SeedGloves {
+  struct Shared {
+    std::once_flag once;
+    std::shared_ptr<const GloveSignal> signal;
+    Signal reference_rad;  // ticks x joints of the hand
+  };
+  std::shared_ptr<Shared> shared = std::make_shared<Shared>();
+  /// Only where the noise-free twin is a trial of its own.
+  std::shared_ptr<std::optional<GloveSignal>> noise_free =
+      std::make_shared<std::optional<GloveSignal>>();
+};
+
+/// One controller of one seed.
+struct TrialTask {
+  std::size_t seed_index = 0;
+  std::size_t controller = 0;
+  SeedGloves gloves;
+  std::optional<SeedGloves> next;  // of the next seed, if this task makes them
+};
+
+/// The trials of a study as tasks, in the order of the seeds. Any thread may call it.
+class TrialQueue {
+ public:
+  TrialQueue(std::size_t seeds, std::size_t controllers, std::size_t jobs);
+
+  /// None after the last task, or after Stop().
+  std::optional<TrialTask> Next();
+  void Stop() { stopped_ = true; }
+  bool is_stopped() const { return stopped_; }
+  std::size_t threads() const { return threads_; }
+
+ private:
+  std::size_t controllers_;
+  std::size_t tasks_;
+  std::size_t threads_;
+  std::atomic<bool> stopped_{false};
+  std::mutex mutex_;
+  std::size_t next_task_ = 0;
+  SeedGloves gloves_;  // of the seed whose tasks are given out
+  SeedGloves next_gloves_;
+};
+
+TrialQueue::TrialQueue(std::size_t seeds, std::size_t controllers, std::size_t jobs)
+    : controllers_(controllers), tasks_(controllers * seeds), threads_(std::min(jobs, tasks_)) {}
+
+std::optional<TrialTask> TrialQueue::Next() {
+  const std::lock_guard lock(mutex_);
+  if (stopped_ || next_task_ == tasks_) return std::nullopt;
+  const std::size_t place = next_task_ % controllers_;
+  if (place == 0) gloves_ = std::exchange(next_gloves_, SeedGloves{});
+  TrialTask task = {
+      .seed_index = next_task_ / controllers_, .controller = place, .gloves = gloves_, .next = {}};
+  ++next_task_;
+  // The last tasks of a seed run on all threads. The first of these tasks makes the next glove, so
+  // that no thread waits for it later.
+  const bool is_last_seed = (task.seed_index + 1) * controllers_ == tasks_;
+  if (threads_ > 1 && place > 0 && place + threads_ == controllers_ && !is_last_seed) {
+    task.next = next_gloves_;
+  }
+  if (place + 1 == controllers_) gloves_ = {};
+  return task;
+}
 
 /// None of a trial that ended early. Moves the signals of a trace that is not needed any more.
 template <class AnyTrace>
