@@ -22,7 +22,6 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/terminal_option.h"
 #include "sim/fit/calibration.h"
 #include "sim/fit/calibration_tables.h"
 #include "sim/settings/yaml_reader.h"

@@ -8,7 +8,6 @@
 #include "sim/base/manifest.h"
 #include "sim/base/output_folder.h"
 #include "sim/cli/shared_options.h"
-#include "sim/cli/terminal_option.h"
 
 namespace gauntlet::sim {
 

@@ -15,7 +15,6 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/terminal_option.h"
 #include "sim/fit/chain_tables.h"
 #include "sim/fit/hand_log.h"
 #include "sim/fit/identified_hand.h"

@@ -15,7 +15,6 @@
 #include "sim/cli/recording_scenario.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/terminal_option.h"
 #include "sim/recordings/inspect/inspection.h"
 #include "sim/recordings/inspect/inspection_tables.h"
 #include "sim/recordings/inspect/joint_answer.h"

@@ -21,7 +21,6 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
-#include "sim/cli/terminal_option.h"
 #include "sim/live/live_report.h"
 #include "sim/live/live_session.h"
 #include "sim/live/server/live_server.h"

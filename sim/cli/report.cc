@@ -12,7 +12,6 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
-#include "sim/cli/terminal_option.h"
 #include "sim/show/pages/difference_table.h"
 #include "sim/show/pages/folders_page.h"
 

@@ -8,7 +8,6 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/terminal_option.h"
 #include "sim/fit/retarget/fingertip_motion.h"
 #include "sim/fit/retarget/retargeting.h"
 #include "sim/fit/retarget/retargeting_result.h"

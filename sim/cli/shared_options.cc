@@ -1,5 +1,13 @@
 #include "sim/cli/shared_options.h"
 
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string_view>
+
+#include "controller/number.h"
 #include "sim/base/data_folder.h"
 
 namespace gauntlet::sim {
@@ -7,6 +15,23 @@ namespace {
 
 std::string ProblemOfPath(const std::string& path) {
   return path.empty() ? "is empty, must be a path" : "";
+}
+
+constexpr int kUsualWidth = 80;
+constexpr int kNarrowest = 40;     // less is taken for a mistake of the terminal
+constexpr int kLongestText = 100;  // longer lines are hard to read
+
+std::string_view Environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? std::string_view() : value;
+}
+
+int TerminalWidth() {
+  constexpr int kWidest = 1'000'000;
+  int width = controller::ParseWholeNumber(Environment("COLUMNS"), 1, kWidest).value_or(0);
+  winsize size{};
+  if (width <= 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0) width = size.ws_col;
+  return width <= 0 ? kUsualWidth : std::max(width, kNarrowest);
 }
 
 }  // namespace
@@ -72,6 +97,14 @@ Option TimeUnitOption(std::string& unit, std::vector<std::string> excludes) {
   return Option("--time-unit", &unit,
                 {.choices = {"s", "ms", "us", "ns"}, .excludes = std::move(excludes)},
                 "unit of the time [by the file]");
+}
+
+TerminalStyle StyleOf(const TerminalOptions& options) {
+  const std::size_t width = TerminalWidth();
+  const bool coloured_terminal = isatty(STDOUT_FILENO) != 0 && Environment("NO_COLOR").empty();
+  return {.width = std::min<std::size_t>(width, kLongestText),
+          .table_width = options.wide ? TerminalStyle::kNoLimit : width,
+          .colour = options.colour == "always" || (options.colour == "auto" && coloured_terminal)};
 }
 
 }  // namespace gauntlet::sim

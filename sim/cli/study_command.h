@@ -6,7 +6,6 @@
 
 #include "sim/cli/recording_scenario.h"
 #include "sim/cli/shared_options.h"
-#include "sim/cli/terminal_option.h"
 #include "sim/hand/hand_model.h"
 #include "sim/study/scenario/scenario.h"
 #include "sim/study/scenario/scenario_reader.h"

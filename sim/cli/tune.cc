@@ -14,7 +14,6 @@
 #include "sim/cli/recording_scenario.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/terminal_option.h"
 #include "sim/results/answer_files.h"
 #include "sim/settings/yaml_tree.h"
 #include "sim/show/pages/tune_all_page.h"
