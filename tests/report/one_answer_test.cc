@@ -16,7 +16,6 @@
 #include "sim/base/random.h"
 #include "sim/results/html_text.h"
 #include "sim/show/pages/score_table.h"
-#include "sim/show/pages/tune_all_page.h"
 #include "sim/show/pages/tune_page.h"
 #include "sim/show/video/score_board.h"
 #include "tests/report/made_up_study.h"
