@@ -7,7 +7,6 @@
 
 #include "sim/answers/compare/comparison_answer.h"
 #include "sim/answers/compare/recording_blocks.h"
-#include "sim/answers/compare/smoothing_ranking.h"
 #include "sim/score/priority.h"
 #include "sim/score/statistics/judgement.h"
 #include "sim/score/statistics/statistics.h"
@@ -82,6 +81,13 @@ Summary Summarise(const Study& study, const StudyResult& result, RecordingBlocks
 /// One line for each controller of which a trial failed: "raw failed in 1 of 8 trials, and is not
 /// ranked: at 1.5 s: diverged (seed 3)".
 std::vector<std::string> Failures(const Summary& summary, std::size_t seeds);
+
+/// Tracking of the controllers if the reference is the recording, smoothed at another cut-off. The
+/// true cut-off is unknown, and the winner may depend on it.
+struct SmoothingRank {
+  double smoothing_hz = 0.0;
+  std::vector<double> tracking_rmse_deg;  // per controller; NaN of one that was stopped
+};
 
 /// A study that has been run, with what is concluded from it.
 struct FinishedStudy {
