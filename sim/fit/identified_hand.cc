@@ -10,6 +10,69 @@
 namespace gauntlet::sim {
 namespace {
 
+/// Value and ends of the interval with three decimals, more than the accuracy of any log. Empty if
+/// one of them is unknown.
+std::vector<double> ListOf(const ChainEstimate& estimate) {
+  if (!std::isfinite(estimate.value + estimate.low + estimate.high)) return {};
+  std::vector<double> list = {estimate.value, estimate.low, estimate.high};
+  for (double& value : list) value = std::round(value * 1e3) / 1e3;
+  return list;
+}
+
+/// `member` of every part; the mean of the others for a part without a value.
+std::vector<double> ValuesOf(const std::vector<IdentifiedPart>& parts,
+                             std::vector<double> IdentifiedPart::*member, double& mean) {
+  double sum = 0.0;
+  int count = 0;
+  for (const IdentifiedPart& part : parts) {
+    if ((part.*member).empty()) continue;
+    sum += (part.*member).front();
+    ++count;
+  }
+  mean = count > 0 ? sum / count : 0.0;
+  mean = std::round(mean * 1e3) / 1e3;
+  std::vector<double> values;
+  for (const IdentifiedPart& part : parts) {
+    values.push_back((part.*member).empty() ? mean : (part.*member).front());
+  }
+  return values;
+}
+
+/// ValuesOf() the parts, but empty if no part has a value.
+std::vector<double> KnownValuesOf(const std::vector<IdentifiedPart>& parts,
+                                  std::vector<double> IdentifiedPart::*member) {
+  if (std::ranges::all_of(parts, [&](const auto& part) { return (part.*member).empty(); })) {
+    return {};
+  }
+  double mean = 0.0;
+  return ValuesOf(parts, member, mean);
+}
+
+IdentifiedPart PartOf(const ChainLog& log, const ChainFit& fit, const std::string& name) {
+  const auto rounded = [](double value) {
+    return std::isfinite(value) ? std::round(value * 1e3) / 1e3 : 0.0;
+  };
+  const auto in_deg = [&](const ChainEstimate& estimate) {
+    return log.unit_known ? ListOf(estimate) : std::vector<double>();
+  };
+  return {.part = name,
+          .delay_ms = ListOf(fit.delay_ms),
+          .dead_time_ms = ListOf(fit.dead_time_ms),
+          .lag_ms = ListOf(fit.lag_ms),
+          .natural_frequency_hz = ListOf(fit.natural_frequency_hz),
+          .damping_ratio = ListOf(fit.damping_ratio),
+          .gain = ListOf(fit.gain),
+          .offset_deg = in_deg(fit.offset_deg),
+          .speed_limit_deg_s = in_deg(fit.speed_limit_deg_s),
+          .hysteresis_deg = in_deg(fit.hysteresis_deg),
+          .motor_hysteresis_deg = in_deg(fit.motor_hysteresis_deg),
+          .lost_motion_deg = in_deg(fit.lost_motion_deg),
+          .residual_rms_deg = log.unit_known ? rounded(fit.residual_rms_deg) : 0.0,
+          .held_out_rms_deg = log.unit_known ? rounded(fit.held_out_rms_deg) : 0.0,
+          .model = fit.model_text,
+          .remarks = RemarksOf(log, fit)};
+}
+
 bool HasServo(const ChainResult& result) {
   const auto limited = std::ranges::count_if(
       result.fits, [](const ChainFit& fit) { return std::isfinite(fit.speed_limit_deg_s.value); });
@@ -28,6 +91,27 @@ std::string ChainYaml(const ChainResult& result, IdentifiedChain chain) {
 }
 
 }  // namespace
+
+IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<ChainFit>& fits) {
+  IdentifiedChain chain;
+  chain.log = log.name;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    chain.parts.push_back(PartOf(log, fits[i], log.parts[i]));
+  }
+  double mean_ms = 0.0;
+  ValuesOf(chain.parts, &IdentifiedPart::delay_ms, mean_ms);
+  chain.expected_delay_ms = mean_ms;
+  chain.horizon_ms = KnownValuesOf(chain.parts, &IdentifiedPart::delay_ms);
+  for (double& value : chain.horizon_ms) {
+    value = std::round(std::clamp(kHorizonShare * value, 0.0, 1000.0) * 10.0) / 10.0;
+  }
+  chain.friction_deg = KnownValuesOf(chain.parts, &IdentifiedPart::hysteresis_deg);
+  for (double& value : chain.friction_deg) value = std::round(value * 500.0) / 1e3;
+  chain.dead_time_ms = KnownValuesOf(chain.parts, &IdentifiedPart::dead_time_ms);
+  chain.lag_ms = KnownValuesOf(chain.parts, &IdentifiedPart::lag_ms);
+  chain.natural_frequency_hz = KnownValuesOf(chain.parts, &IdentifiedPart::natural_frequency_hz);
+  return chain;
+}
 
 IdentifiedHand IdentifyHand(ChainEpisodes episodes, const ChainProgress& progress) {
   IdentifiedHand found;

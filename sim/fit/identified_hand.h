@@ -1,11 +1,15 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "sim/fit/chain_episodes.h"
 #include "sim/settings/identified_chain.h"
 
 namespace gauntlet::sim {
+
+/// The file that `gauntlet identify` writes of the fits of a log's parts, in their order.
+IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<ChainFit>& fits);
 
 /// All that `gauntlet identify` makes of a log.
 struct IdentifiedHand {

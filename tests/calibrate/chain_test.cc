@@ -13,7 +13,7 @@
 #include "sim/fit/chain_fit.h"
 #include "sim/fit/chain_log.h"
 #include "sim/fit/chain_model.h"
-#include "sim/fit/chain_results.h"
+#include "sim/fit/identified_hand.h"
 #include "tests/calibrate/simulated_chain.h"
 #include "tests/support/program.h"
 

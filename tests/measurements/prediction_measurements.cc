@@ -13,7 +13,7 @@
 
 #include "controller/calibration/predictor_fit.h"
 #include "controller/prediction/horizon.h"
-#include "sim/fit/chain_results.h"
+#include "sim/fit/identified_hand.h"
 #include "sim/study/prediction_fit.h"
 #include "sim/study/scenario/scenario.h"
 #include "sim/study/scenario/scenario_reader.h"
