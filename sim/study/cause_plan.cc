@@ -4,7 +4,6 @@
 
 #include "sim/study/cause_trials.h"
 #include "sim/study/counted_parts.h"
-#include "sim/study/noise_free_twin.h"
 
 namespace gauntlet::sim {
 namespace {

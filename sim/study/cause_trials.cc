@@ -5,7 +5,6 @@
 #include <variant>
 
 #include "sim/base/error.h"
-#include "sim/study/noise_free_twin.h"
 #include "sim/trial/filter_trial.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_recorder.h"

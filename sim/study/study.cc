@@ -308,6 +308,14 @@ std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed) {
       SynthesiseGlove(GloveOf(study.scenario, seed), static_cast<std::uint64_t>(seed)));
 }
 
+TwinSource TwinOf(const Study& study, int seed) {
+  if (!study.scenario.score.noise_free_twin) return TwinSource::kNone;
+  const int repetition = (seed - study.scenario.seed) % static_cast<int>(study.repetitions.size());
+  if (study.repetitions[repetition].is_recorded) return TwinSource::kNone;
+  const bool itself = IsWithoutNoise(GloveOf(study.scenario, seed));
+  return itself ? TwinSource::kItself : TwinSource::kTrial;
+}
+
 void KeepGloves(int seeds, Study& study) {
   constexpr Eigen::Index kMostBytes = 64 << 20;
   Eigen::Index bytes = 0;

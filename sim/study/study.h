@@ -66,6 +66,14 @@ void RefuseOtherGloves(const Study& study, int seeds);
 /// The glove's signal of a seed.
 std::shared_ptr<const GloveSignal> GloveOfSeed(const Study& study, int seed);
 
+/// Source of the noise-free twin of the trials of a seed.
+enum class TwinSource {
+  kNone,    // not wanted, or not to be had: a recorded glove cannot be without its noise
+  kItself,  // the trial has no noise, nor faults
+  kTrial,   // a trial of its own, before the other
+};
+TwinSource TwinOf(const Study& study, int seed);
+
 /// For a study that runs many times: makes the signals of its first `seeds` seeds now, as many as
 /// take 64 MB. Errors: UserError, SettingError.
 void KeepGloves(int seeds, Study& study);

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "sim/study/cause_plan.h"
-#include "sim/study/noise_free_twin.h"
 #include "sim/study/study.h"
 
 namespace gauntlet::sim {
