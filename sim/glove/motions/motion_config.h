@@ -7,7 +7,6 @@
 
 #include "controller/kinds.h"
 #include "controller/settings.h"
-#include "sim/glove/motions/hold_motion.h"
 #include "sim/glove/motions/motion.h"
 #include "sim/glove/motions/posture_motions.h"
 #include "sim/glove/motions/random_motion.h"
