@@ -5,11 +5,11 @@
 #include <fstream>
 
 #include "sim/base/data_folder.h"
-#include "sim/show/video/hand_picture.h"
 #include "tests/hand/hand_fixture.h"
 #include "tests/hand/opposition.h"
 #include "tests/hand/slow_motion.h"
 #include "tests/measurements/hand_measurements.h"
+#include "tests/video/hand_picture.h"
 
 namespace gauntlet::sim::testing {
 namespace {

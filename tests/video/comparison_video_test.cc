@@ -15,7 +15,7 @@
 
 #include "sim/base/error.h"
 #include "sim/show/video/comparison_picture.h"
-#include "sim/show/video/hand_picture.h"
+#include "tests/video/hand_picture.h"
 #include "tests/video/small_comparison.h"
 #include "tests/video/test_files.h"
 #include "tests/video/video_reader.h"

@@ -1,4 +1,4 @@
-#include "sim/show/video/hand_picture.h"
+#include "tests/video/hand_picture.h"
 
 #include <memory>
 
