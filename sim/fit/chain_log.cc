@@ -15,6 +15,7 @@
 #include "sim/base/threads.h"
 #include "sim/fit/chain_columns.h"
 #include "sim/recordings/table_source.h"
+#include "sim/recordings/time_guess.h"
 #include "sim/tables/csv_reader.h"
 
 namespace gauntlet::sim {
@@ -183,19 +184,13 @@ void CheckEpisode(double number, std::size_t column, const CsvReader& csv) {
 /// rise.
 std::vector<ChainRows> ReadRows(const ChainColumns& columns, const std::vector<PartColumn>& parts,
                                 std::optional<int> wanted, CsvReader& csv) {
-  std::vector<bool> used(csv.column_count(), false);
-  for (const TimeMapping& time : columns.time) {
-    used[time.column] = true;
-    if (time.is_text) csv.ReadAsTime(time.column);
-  }
+  std::vector<std::size_t> used;
   for (const EpisodeColumn& episode : columns.episodes) {
-    used[episode.column] = true;
+    used.push_back(episode.column);
     if (episode.is_text) csv.ReadAsTexts(episode.column);
   }
-  for (const PartColumn& column : parts) used[column.column] = true;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (!used[i]) csv.Ignore(i);
-  }
+  for (const PartColumn& column : parts) used.push_back(column.column);
+  ReadOnly(columns.time, used, csv);
   const std::size_t time_column = columns.time.front().column;
   std::vector<ChainRows> all;
   std::vector<double> values(csv.column_count());

@@ -94,12 +94,9 @@ PoseColumns ColumnsByName(const FoundTable& table) {
   for (std::size_t column = 0; column < csv.column_count(); ++column) {
     const std::string& name = names[column];
     if (IsTime(name, column, columns) || AddChannel(name, column, columns)) continue;
-    if (name.find('.') != std::string::npos) {
-      ++columns.left_out;
-    } else {
-      if (columns.unknown.empty()) first_unknown = column;
-      columns.unknown.push_back(name);
-    }
+    if (name.find('.') != std::string::npos) continue;  // another signal of a trace
+    if (columns.unknown.empty()) first_unknown = column;
+    columns.unknown.push_back(name);
   }
   if (columns.counts.empty() && !columns.unknown.empty()) {
     csv.Fail(first_unknown + 1,

@@ -23,7 +23,6 @@ struct PoseColumns {
   std::vector<TimeMapping> time;  // summed; empty: no time column
   std::vector<ChannelColumn> counts;
   std::vector<ChannelColumn> angles;  // in the order of `counts`; empty: no known angles
-  std::size_t left_out = 0;           // number of other signals of a trace
   std::vector<std::string> unknown;   // names of other ignored columns
 };
 

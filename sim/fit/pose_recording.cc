@@ -19,6 +19,7 @@
 #include "sim/fit/pose_columns.h"
 #include "sim/fit/resolution.h"
 #include "sim/recordings/table_source.h"
+#include "sim/recordings/time_guess.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/missing.h"
 
@@ -295,20 +296,6 @@ std::vector<controller::ConverterRange> ConvertersIn(const PoseColumns& columns,
   return converters;
 }
 
-/// Reads only the columns in `columns`.
-void ReadOnly(const PoseColumns& columns, CsvReader& csv) {
-  std::vector<bool> used(csv.column_count(), false);
-  for (const TimeMapping& time : columns.time) {
-    used[time.column] = true;
-    if (time.is_text) csv.ReadAsTime(time.column);
-  }
-  for (const ChannelColumn& c : columns.counts) used[c.column] = true;
-  for (const ChannelColumn& c : columns.angles) used[c.column] = true;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (!used[i]) csv.Ignore(i);
-  }
-}
-
 /// The known poses of --poses; empty without.
 std::vector<KnownPose> PosesOf(const CsvReader& csv, const PoseColumns& columns,
                                const PoseRecordingFormat& format,
@@ -392,10 +379,12 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
       FindTable(file.string(), TableSource(file, format.array), ProblemHandling::kAllowMissing);
   CsvReader& csv = table.reader;
   const PoseColumns columns = FindPoseColumns(table, format.map);
-  ReadOnly(columns, csv);
+  std::vector<std::size_t> used;
+  for (const ChannelColumn& c : columns.counts) used.push_back(c.column);
+  for (const ChannelColumn& c : columns.angles) used.push_back(c.column);
+  ReadOnly(columns.time, used, csv);
   PoseRecording recording;
   recording.name = OneLine(file.string());  // as results show it
-  recording.columns_left_out = columns.left_out;
   recording.columns_unknown = columns.unknown;
   recording.converters = ConvertersIn(columns, format);
   for (const ChannelColumn& c : columns.counts) recording.channel_names.push_back(c.channel);

@@ -29,7 +29,6 @@ struct PoseRecording {
   std::size_t rows_left_out = 0;             // rows without a count
   std::size_t rows_beyond_scale = 0;         // ignored too: a count outside the converter's range
   double resolution_counts = 0.0;            // see ResolutionOf
-  std::size_t columns_left_out = 0;          // other signals of a trace
   std::vector<std::string> columns_unknown;  // ignored too
   std::vector<controller::StillStretch> still;  // given by the user; empty: to be found
 

@@ -296,4 +296,17 @@ std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& 
   return time;
 }
 
+void ReadOnly(const std::vector<TimeMapping>& time, const std::vector<std::size_t>& used,
+              CsvReader& reader) {
+  std::vector<bool> is_read(reader.column_count(), false);
+  for (const std::size_t column : used) is_read[column] = true;
+  for (const TimeMapping& part : time) {
+    is_read[part.column] = true;
+    if (part.is_text) reader.ReadAsTime(part.column);
+  }
+  for (std::size_t i = 0; i < is_read.size(); ++i) {
+    if (!is_read[i]) reader.Ignore(i);
+  }
+}
+
 }  // namespace gauntlet::sim

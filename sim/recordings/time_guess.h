@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,9 @@ TimeGuess TimeOfMap(const std::vector<TimeMapping>& time);
 /// found by its values alone. Else the first column with a name of TimeScaleS(). Empty: none.
 /// Errors: UserError in `file` for a column of time whose unit is a question.
 std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& layout);
+/// Makes a reader pass over all columns but those of the time and `used`.
+void ReadOnly(const std::vector<TimeMapping>& time, const std::vector<std::size_t>& used,
+              CsvReader& reader);
 /// Seconds per unit of a part; 1 for dates.
 double SecondsPer(const std::string& time_unit);
 

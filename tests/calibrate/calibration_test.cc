@@ -271,7 +271,6 @@ TEST_F(PoseFile, MayBeATraceOrHaveNoAngles) {
       Load("t_s,true_angle_rad.index_mcp,counts.index_mcp,hand_angle_rad.index_mcp\n" +
            Rows(12, "0,7,nan"));
   EXPECT_THAT(trace.channel_names, testing::ElementsAre("index_mcp"));
-  EXPECT_EQ(trace.columns_left_out, 1u);
   EXPECT_EQ(trace.angle_deg.cols(), 1);
   const PoseRecording still = Load("k,index_mcp_counts\n" + Rows(12, "7"), {.rate_hz = 250.0});
   EXPECT_EQ(still.angle_deg.cols(), 0);
