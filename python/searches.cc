@@ -25,7 +25,6 @@
 #include "sim/base/threads.h"
 #include "sim/results/answer_files.h"
 #include "sim/show/pages/sweep_page.h"
-#include "sim/show/pages/tune_all_page.h"
 #include "sim/show/pages/tune_page.h"
 #include "sim/study/study.h"
 #include "sim/study/trial_table/sweep_database.h"

@@ -26,6 +26,7 @@
 #include "sim/recordings/time_guess.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/name_words.h"
+#include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {

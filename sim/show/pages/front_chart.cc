@@ -16,7 +16,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kDot = 4.5;  // radius
 constexpr double kLegendWidth = 190.0;
 constexpr double kLegendLine = 20.0;  // from one entry to the next
-constexpr double kLegendMark = 26.0;  // width
+constexpr double kLineMark = 26.0;  // width
 constexpr std::size_t kColours = 8;
 
 /// Axes of jitter against delay.
@@ -82,9 +82,9 @@ void AddSeries(Figure& figure, const Panel& panel, const FrontSeries& series,
   figure.Path(way, {.css = css, .said = series.name});
   for (const FrontSeries::Place& place : places) add(place, "place", 2.5);
   if (series.answer) add(*series.answer, "answer", 6.0);
-  figure.Line(legend, {legend.x + kLegendMark, legend.y}, {css});
-  if (series.answer) figure.Dot({legend.x + 0.5 * kLegendMark, legend.y}, 5.0, {"answer " + css});
-  figure.Text({legend.x + kLegendMark + 8.0, legend.y + kFigureLayout.baseline}, Anchor::kStart,
+  figure.Line(legend, {legend.x + kLineMark, legend.y}, {css});
+  if (series.answer) figure.Dot({legend.x + 0.5 * kLineMark, legend.y}, 5.0, {"answer " + css});
+  figure.Text({legend.x + kLineMark + 8.0, legend.y + kFigureLayout.baseline}, Anchor::kStart,
               series.name);
 }
 
