@@ -23,11 +23,11 @@ struct ChainLog {
   double rate_hz = 1000.0;
   Signal command_deg;
   Signal angle_deg;
-  Signal motor_deg;          // any scale, offset and sign; NaN for a part without, empty: none
+  Signal motor_deg;  // any scale, offset and sign; NaN for a part without, empty: none
   std::vector<CommandKind> kinds = {};  // of the commands, part by part; empty: all are targets
-  bool from_wearer = false;  // the command is the wearer's motion, not a motor command
-  bool held = false;         // rows hold their command if no other frames are found
-  std::size_t values_missing = 0;  // interpolated
+  bool from_wearer = false;             // the command is the wearer's motion, not a motor command
+  bool held = false;                    // rows hold their command if no other frames are found
+  std::size_t values_missing = 0;       // interpolated
   std::vector<std::string> columns_ignored;
   bool unit_known = true;  // false: `_deg` values have the unit of the file
   std::string unit_note;   // how the unit is known, or that it is not; empty: from the names

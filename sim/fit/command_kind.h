@@ -21,8 +21,7 @@ enum class CommandKind {
 ///     steps, velocity a[n] = g sum(c[0..n - k]) + b + d n,  k = 0..3; better than any
 ///                     a[n] = g c[n - k] + b,  k up to 3 s;  g about 1: steps, 1 / rate: velocity
 ///
-/// A hand that follows its target exactly, one row later, cannot be told from a copy of the next
-/// row: no delay can be told either.
+/// A hand that follows its target exactly, one row later, looks like a copy of the next row.
 /// Shapes: equal length, finite, at `rate_hz`. Units: any that both share.
 CommandKind FindCommandKind(std::span<const double> command, std::span<const double> angle,
                             double rate_hz);

@@ -91,7 +91,8 @@ std::string TextOf(const Words& words) {
   return text;
 }
 
-/// Marks components of a vector, a quaternion or of roll, pitch and yaw, if the table has the others.
+/// Marks components of a vector, a quaternion or of roll, pitch and yaw, if the table has the
+/// others.
 void MarkVectors(std::vector<NameParts>& parts) {
   const auto key = [](const NameParts& of) {
     return std::tuple(TextOf(of.stem), of.part, of.side, of.number);

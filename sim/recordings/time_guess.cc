@@ -80,6 +80,9 @@ constexpr double kFastest_hz = 1e4;
 
 constexpr double kSince1970_s = 5e8;  // from 1985 on
 
+/// Longest interval of rows in s that needs no unit.
+constexpr double kLongest_s = 0.4;
+
 bool IsRateOfGlove(double usual_step, std::string_view unit) {
   const double rate_hz = 1.0 / (usual_step * SecondsPer(std::string(unit)));
   return rate_hz >= kSlowest_hz && rate_hz <= kFastest_hz;
@@ -196,7 +199,6 @@ std::string QuestionOf(std::size_t column, const std::string& name, double step)
 /// The time is this column, which rises by this step. Its unit is that of its name, that of a date,
 /// or s for a name with the word time and a step of a glove. All others are a question.
 TimeGuess GuessOf(std::size_t column, const std::string& name, double first, double step) {
-  constexpr double kLongest_s = 0.4;
   const std::string_view named = UnitByName(name);
   const std::string_view of_date = UnitOfDate(first, step);
   const bool names_time = TimeScaleS(name) == 1.0 || HasWordOf(WordsOf(name), "time timestamp");
@@ -234,6 +236,7 @@ TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
   TimeGuess best = {{}, "no column rises as a time does"};
   if (!dates.empty()) best = std::move(of_dates);
   TimeGuess nameless;
+  double nameless_step = 0.0;
   for (std::size_t column = 0; column < layout.columns; ++column) {
     const std::string& name = layout.names[column];
     const bool is_named = TimeScaleS(name) || (MayBeTime(name) && !IsSampleNumber(name) &&
@@ -241,8 +244,8 @@ TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
     const std::vector<double> values = ValuesOf(layout, column);
     if (KindOf(layout, column) != CellKind::kNumber || values.size() < 3) continue;
     const Steps steps = StepsOf(values);
-    // A program may poll faster than the glove samples. Then times repeat. One that goes back beside
-    // a clock is a part of it.
+    // A program may poll faster than the glove samples. Then times repeat. One that goes back
+    // beside a clock is a part of it.
     const double least = dates.empty() ? kNearlyAll : 1.0;
     if (steps.rising_share < least || steps.usual <= 0.0) continue;
     const bool has_unit = !unit.empty() || !UnitByName(name).empty();
@@ -258,10 +261,18 @@ TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
     } else if (dates.empty() && nameless.why.empty() && steps.forward_share >= kAll &&
                !NamesOther(name)) {
       nameless = GuessOf(column, name, values.front(), steps.usual);
+      nameless_step = steps.usual;
       if (!unit.empty()) nameless.parts = {{column, unit}};
     }
   }
   if (nameless.why.empty() || !best.question.empty()) return best;
+  if (nameless.asked == 0U && layout.names.front().empty() && unit.empty() &&
+      IsRateOfGlove(nameless_step, "s") && nameless_step <= kLongest_s) {
+    return {.parts = {{0, "s"}},
+            .why = "the first column, without a name, rises as a time does; s assumed",
+            .is_named = false,
+            .unit_is_assumed = true};
+  }
   nameless.is_named = false;
   if (!nameless.parts.empty()) {
     nameless.why = unit.empty() ? "its values are dates" : "in the unit that is given";

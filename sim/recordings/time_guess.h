@@ -22,11 +22,13 @@ struct TimeGuess {
   std::string question = {};              // that is open while there are no parts; empty: none
   std::optional<std::size_t> asked = {};  // the column that the question is about
   bool is_named = true;                   // false: found by its values alone
+  bool unit_is_assumed = false;           // s, of a first column without a name
 };
 
 /// Finds the time columns by their names and first rows. A column of numbers has the unit `unit`,
 /// if a person gave it, that of its name, or that of a date that it counts from. `t`, `time` and
-/// the like are in s where that is the rate of a glove. All others are a question.
+/// the like are in s where that is the rate of a glove. So is, but assumed, a first column without
+/// a name. All others are a question.
 TimeGuess GuessTime(const TableLayout& layout, const std::string& unit = {});
 /// The time as a column map has it.
 TimeGuess TimeOfMap(const std::vector<TimeMapping>& time);

@@ -21,9 +21,8 @@ namespace gauntlet::sim {
 ///
 /// A motion that repeats after P (see RepeatPeriod()) looks the same after a delay of d and of
 /// d + P. So the lags of one period are searched, from 10 ms before `earliest_s` on: no cause acts
-/// sooner, and a delay at the end of a range cannot be told. A
-/// motion that does not repeat is searched from 100 ms before `earliest_s` to 1 s after it. The lag
-/// is at most a quarter of the signal.
+/// sooner, and a maximum at an end is none. A motion that does not repeat is searched from 100 ms
+/// before `earliest_s` to 1 s after it. The lag is at most a quarter of the signal.
 ///
 /// None if the maximum means nothing: a signal that moves by less than 0.1 deg RMS (a constant
 /// channel), a largest correlation below kLeastDelayCorrelation, a maximum at the first or last lag

@@ -15,7 +15,8 @@ namespace gauntlet::sim {
 ///     {"t": [0, 1], "f": [[1, 2], [3, 4]]}           columns t, f_1, f_2
 ///     [{"t": 0, "f": {"a": 1, "b": [2, 3]}}, ..]     columns t, f_a, f_b_1, f_b_2
 ///     {"frames": [{"t": 0}, ..]}                     columns frames_t
-///     {"hands": [{"frames": [{"t": 0}, ..]}]}        columns hands_frames_t; of several hands_1_frames_t
+///     {"hands": [{"frames": [{"t": 0}, ..]}]}        columns hands_frames_t
+///                                                    (of several hands_1_frames_t ..)
 ///
 /// Items of a list that name their hand, left or right, have that name instead of a number:
 /// `{"hands": [{"handedness": "Right", "x": 1}]}` is hands_right_x.

@@ -122,7 +122,8 @@ std::optional<TextForm> LabelledForm(const std::vector<std::string>& head) {
   return form;
 }
 
-// --- A clock before the row ------------------------------------------------------------------------
+// --- A clock before the row
+// ------------------------------------------------------------------------
 
 /// The cells of a line behind `CLOCK ->`, the clock first. None without one.
 std::optional<Cells> ClockedCells(std::string_view line) {

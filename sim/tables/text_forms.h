@@ -41,8 +41,8 @@ struct TextForm {
   bool has_header = false;  // the first line of the text contains names
 };
 
-/// The form of a text that begins with these lines. Labels, clocks and the alpha encoding need three
-/// of them and half of them, all other forms the first two.
+/// The form of a text that begins with these lines. Labels, clocks and the alpha encoding need
+/// three of them and half of them, all other forms the first two.
 std::optional<TextForm> FormOf(const std::vector<std::string>& head, const ListNames& known = {});
 
 /// A text that comes line by line.
@@ -52,7 +52,8 @@ struct LiveTable {
 };
 
 /// Plain table of a live stream. Its first two lines decide, or four if the first one has labels, a
-/// clock or the alpha encoding; a first line of numbers alone is a row. `name` stands for it in messages.
+/// clock or the alpha encoding; a first line of numbers alone is a row. `name` stands for it in
+/// messages.
 LiveTable PlainStream(const std::string& name, TextLines::Source source);
 
 }  // namespace gauntlet::sim

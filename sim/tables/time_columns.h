@@ -7,9 +7,9 @@
 namespace gauntlet::sim {
 
 /// Seconds per unit of a column of time: `t`, `time`, `timestamp`, `elapsed`, `elapsed_time` or
-/// `X_Value` (of LabVIEW), alone (in s) or with a unit behind it, `s`, `sec`, `ms`, `us`, `ns` and their longer forms; or
-/// the longer form of a unit alone. Case, blanks, brackets and punctuation do not matter: `t_s`,
-/// `Time (ms)`, `timestampUs`, `seconds`. Nothing for any other name.
+/// `X_Value` (of LabVIEW), alone (in s) or with a unit behind it, `s`, `sec`, `ms`, `us`, `ns` and
+/// their longer forms; or the longer form of a unit alone. Case, blanks, brackets and punctuation
+/// do not matter: `t_s`, `Time (ms)`, `timestampUs`, `seconds`. Nothing for any other name.
 std::optional<double> TimeScaleS(std::string_view name);
 
 /// Seconds per unit of time in a column map: s, ms, us, ns, ticks (of 100 ns, as .NET and Windows

@@ -73,7 +73,8 @@ TEST(ChainEpisodes, CountOnlyWhereThePartMoves) {
   EXPECT_EQ(result.held_out[0].fitted, 1U);
   EXPECT_NEAR(result.fits[0].gain.value, 0.95, 0.02);
   EXPECT_TRUE(std::isfinite(result.fits[0].gain.high));  // that of its one episode
-  EXPECT_THAT(result.left_out, ElementsAre("episode 9: cut", HasSubstr("episode 4: joint: is 2 s")));
+  EXPECT_THAT(result.left_out,
+              ElementsAre("episode 9: cut", HasSubstr("episode 4: joint: is 2 s")));
 }
 
 }  // namespace

@@ -326,8 +326,7 @@ std::vector<GloveFile> TextFiles() {
       Text({.separator = "\t",
             .header = "Time (ms)\tThumbMCP\tThumbIP\tIndexMCP\tIndexPIP\tMiddleMCP\tMiddlePIP"},
            50, 6, Degrees(50), [](int row) { return fmt::format("{}\t", 20 * row); }));
-  add("blanks.dat", 0, "rad", 5, Text({.separator = "  "}, 30, 5, Radians(30), seconds(30, "  ")));
-  files.back().question = "column 1 rises by 0.0333";
+  add("blanks.dat", 30, "rad", 5, Text({.separator = "  "}, 30, 5, Radians(30), seconds(30, "  ")));
   add("crlf_mark_epoch_ms.csv", 100, "counts", 5,
       Text({.line_end = "\r\n",
             .before = "\xEF\xBB\xBF",
@@ -382,10 +381,9 @@ std::vector<GloveFile> TextFiles() {
            Radians(50), [](int row) {
              return fmt::format("{},{},", 1700000000 + row / 50, 20000000L * (row % 50));
            }));
-  add("eighteen_bytes.txt", 0, "counts", 18,
+  add("eighteen_bytes.txt", 90, "counts", 18,
       Text({.separator = " "}, 90, 18, Counts(8, 90), seconds(90, " ")));
   files.back().sensors = 15;  // as above
-  files.back().question = "column 1 rises by 0.0111";
   add("with_motion_sensor.csv", 100, "counts", 5,
       Text(
           {.header =

@@ -904,7 +904,7 @@ void AddLedOn(Shapes& shapes) {
   ask("muscles_uv", TwoJoints("time,left_1_uV,left_2_uV\n", time, muscle),
       "activities of muscles; the joint that each is to move is unknown");
   ask("muscles_nameless", TwoJoints("time,ch1,ch2\n", time, muscle),
-      "if they are activities of muscles, the joint");
+      "of muscles they need envelope_ms in the map");
   Table window;
   for (int sensor = 1; sensor <= 5; ++sensor) {
     for (int k = 0; k < 20; ++k) {

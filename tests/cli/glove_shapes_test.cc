@@ -148,7 +148,8 @@ std::vector<std::vector<std::string>> RecipesIn(const std::string& line) {
 }
 
 /// The map with a channel of its own in place of each `ignore`, as long as there are channels.
-void FillIn(const fs::path& map) {
+/// The time is in ms where its unit is asked for.
+void FillIn(const fs::path& map, const std::string& question) {
   std::vector<std::string> channels = {"thumb_ip",   "index_pip",  "middle_pip", "ring_pip",
                                        "little_pip", "index_mcp",  "middle_mcp", "ring_mcp",
                                        "little_mcp", "middle_dip", "ring_dip",   "little_dip"};
@@ -159,6 +160,10 @@ void FillIn(const fs::path& map) {
     if (ignored != std::string::npos && !line.starts_with('#') && !channels.empty()) {
       line.replace(ignored + 1, 6, channels.back());
       channels.pop_back();
+    }
+    const std::size_t time = line.find(",time,s,");
+    if (time != std::string::npos && question.find("rows per second") != std::string::npos) {
+      line.replace(time, 8, ",time,ms,");
     }
     text += line + "\n";
   }
@@ -184,7 +189,7 @@ TEST(GloveShapes, LeadOnByEachRecipeOfTheirQuestions) {
     std::vector<std::vector<std::string>> ways = RecipesIn(line);
     recipes += static_cast<int>(ways.size());
     if (line.find("fill in map.csv, then --map map.csv") != std::string::npos) {
-      FillIn(folder.path() / "map.csv");
+      FillIn(folder.path() / "map.csv", line);
       ways.push_back({"--map", "map.csv"});
       ++maps;
     }

@@ -278,7 +278,8 @@ TEST_F(RotationFiles, OfBothHandsAndOfJsonAreRead) {
 }
 
 TEST_F(RotationFiles, AskWhereTheyCannotBeTold) {
-  // Angles relative to the bone before of 0.25 rad per bone, or three bones of as much in the world.
+  // Angles relative to the bone before of 0.25 rad per bone, or three bones of as much in the
+  // world.
   std::vector<Frame> still;
   for (int k = 0; k < kFrames; ++k) {
     Frame& frame = still.emplace_back();

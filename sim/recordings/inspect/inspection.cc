@@ -225,6 +225,7 @@ void SetTime(const TimeGuess& guess, const TimeStatistics& time, double given_ra
     SetRate(time, is_coarse, given_rate_hz, inspection);
     return;
   }
+  inspection.rate_is_assumed = guess.unit_is_assumed;
   inspection.time = time;
   for (const TimePart& part : guess.parts) {
     inspection.columns.at(part.column).time_unit = part.unit;

@@ -364,6 +364,19 @@ bool MayBePoints(std::size_t columns) {
                              [columns](std::size_t points) { return columns == points; });
 }
 
+/// True if the columns that move hardly have more than what changes from row to row.
+bool AreRough(const JointEvidence& evidence, const std::vector<std::size_t>& columns) {
+  constexpr double kRough = 0.12;  // of the range of values; white noise has 0.19
+  std::size_t moving = 0, rough = 0;
+  for (const std::size_t c : columns) {
+    const ColumnStatistics& is = evidence.columns[c].statistics;
+    const double range = is.usual_high - is.usual_low;
+    moving += range > 0.0 ? 1 : 0;
+    rough += range > 0.0 && is.noise > kRough * range ? 1 : 0;
+  }
+  return moving > 0 && rough == moving;
+}
+
 /// Joints of sensors without names.
 void ChooseByNumber(const JointEvidence& evidence, const JointOptions& options,
                     const std::vector<Profile>& profiles, JointChoice& choice) {
@@ -414,6 +427,11 @@ void ChooseByNumber(const JointEvidence& evidence, const JointOptions& options,
     choice.question +=
         "; x, y, z of the points of a hand are read by their names, landmark_0_x to landmark_20_z";
   }
+  if (AreRough(evidence, family.columns)) {
+    choice.question +=
+        "; they change from row to row more than a hand does: of muscles they need envelope_ms in "
+        "the map";
+  }
   choice.asks_joints = true;
   constexpr std::size_t kMost = 4;  // more say nothing
   auto possible = known.empty() ? ProfilesWith(ProfileEvidence::kOneFact,
@@ -423,25 +441,17 @@ void ChooseByNumber(const JointEvidence& evidence, const JointOptions& options,
   if (possible.size() <= kMost) choice.profiles_to_ask_for = NamesOf(possible);
 }
 
-/// Muscles of which a person may make channels. Signals without a name may be some.
+/// Muscles of which a person may make channels.
 void ChooseMuscles(std::span<const ColumnFamily> families, JointChoice& choice) {
   const auto is_muscle = [](const ColumnFamily& family) {
     return family.quantity == Quantity::kMuscle && family.facts.moving > 0;
   };
-  auto muscles = std::ranges::find_if(families, is_muscle);
-  const bool is_named = muscles != families.end();
-  if (!is_named) muscles = std::ranges::find(families, "rough", &ColumnFamily::rule);
+  const auto muscles = std::ranges::find_if(families, is_muscle);
   if (muscles == families.end()) return;
   ChooseFamily(*muscles, choice);
-  const bool is_one = muscles->columns.size() == 1;
-  choice.question =
-      is_named ? fmt::format("{}: {} of muscles; the joint that each is to move is unknown",
-                             ColumnsText(muscles->columns), is_one ? "activity" : "activities")
-               : fmt::format(
-                     "{}: from row to row {} more than a hand does; if {} of muscles, the "
-                     "joint that each is to move is unknown",
-                     ColumnsText(muscles->columns), is_one ? "it changes" : "they change",
-                     is_one ? "it is the activity" : "they are activities");
+  choice.question = fmt::format("{}: {} of muscles; the joint that each is to move is unknown",
+                                ColumnsText(muscles->columns),
+                                muscles->columns.size() == 1 ? "activity" : "activities");
   choice.asks_joints = true;
 }
 

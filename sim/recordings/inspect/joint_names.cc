@@ -53,8 +53,8 @@ bool IsWordOfJoint(const std::string& word) {
              word);
 }
 
-/// Renames the joints of a thumb with pip and dip, as an export has that names all digits alike: they
-/// are those from the root on. False for other thumbs.
+/// Renames the joints of a thumb with pip and dip, as an export has that names all digits alike:
+/// they are those from the root on. False for other thumbs.
 bool ShiftLongThumb(std::vector<NamedSensor>& sensors) {
   constexpr std::array<Meaning, 3> kShifted = {
       {{"thumb_rotation", "mcp"}, {"thumb_mcp", "pip"}, {"thumb_ip", "dip"}}};

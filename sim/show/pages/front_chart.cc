@@ -16,7 +16,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kDot = 4.5;  // radius
 constexpr double kLegendWidth = 190.0;
 constexpr double kLegendLine = 20.0;  // from one entry to the next
-constexpr double kLineMark = 26.0;  // width
+constexpr double kLineMark = 26.0;    // width
 constexpr std::size_t kColours = 8;
 
 /// Axes of jitter against delay.
