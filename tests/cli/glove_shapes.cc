@@ -905,6 +905,22 @@ void AddLedOn(Shapes& shapes) {
       "activities of muscles; the joint that each is to move is unknown");
   ask("muscles_nameless", TwoJoints("time,ch1,ch2\n", time, muscle),
       "of muscles they need envelope_ms in the map");
+  std::string eeg = "%OpenBCI Raw EXG Data\n%Sample Rate = 250 Hz\n";
+  for (int row = 0; row < 250; ++row) {
+    eeg += fmt::format("{}, {:.2f}, {:.2f}, -187500.02, {:.3f}\n", row, 9000.0 + muscle(row, 1),
+                       -52000.0 + muscle(row, 2), 0.1 * Noise(row, 3));
+  }
+  ask("muscles_openbci", eeg, "columns 2 to 4: activities of muscles");
+  ask("profile_and_more",
+      TwoJoints(
+          "Frame,Elapsed_Time_In_Milliseconds,Thumb_CMC_Flex,Index_MCP_Flex,Index_PIP_Flex,"
+          "Thumb_MCP_Flex,Pinky_DIP_Flex\n",
+          [](int row) {
+            return fmt::format("{},{},{:.2f},{:.2f},{:.2f},", row, 10 * row, AngleDeg(row, 3),
+                               AngleDeg(row, 4), AngleDeg(row, 5));
+          },
+          AngleDeg),
+      "like manus_core_csv, but column 6 is a joint by its name, which it does not have");
   Table window;
   for (int sensor = 1; sensor <= 5; ++sensor) {
     for (int k = 0; k < 20; ++k) {

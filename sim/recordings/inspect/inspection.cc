@@ -504,14 +504,44 @@ void KeepPicture(const TableStatistics& statistics, Inspection& inspection) {
   }
 }
 
+/// Columns without names below lines that say they are signals of muscles or the brain. What is far
+/// smaller than they are, as an accelerometer, is none.
+void FindMusclesByNotes(const std::vector<std::string>& notes,
+                        std::span<const ColumnEvidence> columns,
+                        std::vector<ColumnFamily>& families) {
+  constexpr double kFarSmaller = 0.02;
+  const auto names_muscles = [](const std::string& note) {
+    return HasWordOf(WordsOf(note), "emg semg exg eeg");
+  };
+  if (std::ranges::none_of(notes, names_muscles)) return;
+  for (std::size_t f = 0, count = families.size(); f < count; ++f) {
+    if (families[f].quantity != Quantity::kSensor || !families[f].facts.words.empty()) continue;
+    const double least = kFarSmaller * families[f].facts.reach;
+    const auto is_small = [&](std::size_t c) {
+      const ColumnStatistics& is = columns[c].statistics;
+      return std::max(std::abs(is.low), std::abs(is.high)) < least;
+    };
+    ColumnFamily small = families[f];
+    std::erase_if(small.columns, [&](std::size_t c) { return !is_small(c); });
+    small.quantity = Quantity::kUnknown;
+    small.why = "far smaller than the signals of muscles beside it";
+    std::erase_if(families[f].columns, is_small);
+    families[f].quantity = Quantity::kMuscle;
+    families[f].unit = RawUnit::kUnknown;
+    families[f].why = "signals of muscles or the brain, by the lines above the table";
+    if (!small.columns.empty()) families.push_back(std::move(small));
+  }
+}
+
 void FindJoints(const std::vector<RowGroups>& groups, const InspectionOptions& options,
                 const std::optional<ColumnMap>& map, const std::string& angle_unit,
                 const std::vector<Profile>& profiles, Inspection& inspection) {
   const std::vector<ColumnEvidence> evidence = EvidenceOf(inspection);
   try {
-    const std::vector<ColumnFamily> families =
+    std::vector<ColumnFamily> families =
         options.columns ? GivenFamily(evidence, options.columns->first, options.columns->second)
                         : FindFamilies(evidence);
+    FindMusclesByNotes(inspection.layout.notes, evidence, families);
     SetJoints(families,
               ChooseJoints({.columns = evidence,
                             .families = families,

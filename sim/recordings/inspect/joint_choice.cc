@@ -10,6 +10,7 @@
 #include <map>
 
 #include "sim/base/channels.h"
+#include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
@@ -479,6 +480,30 @@ std::string WithoutSensors(const JointEvidence& evidence) {
       positions);
 }
 
+/// Joints by exact names that a profile leaves out, neither mapped nor ignored: then the file is of
+/// another version of the device, or of another one.
+std::vector<std::size_t> JointsBeside(const JointEvidence& evidence, const Profile& profile,
+                                      const JointChoice& choice) {
+  const auto is_known = [&profile](const std::string& name) {
+    return std::ranges::any_of(SplitLines(profile.map), [&name](std::string_view line) {
+      return IsSameName(std::string(line.substr(0, line.find(','))), name);
+    });
+  };
+  std::vector<std::size_t> beside;
+  for (std::size_t c = 0; c < evidence.columns.size(); ++c) {
+    const ColumnEvidence& column = evidence.columns[c];
+    const JointName name = ReadJointName(column.name);
+    const bool is_joint = name.is_joint && name.other.empty() && !column.is_text &&
+                          !column.is_time && column.statistics.good_rows > 0;
+    const std::string channel = ReadSensorName(column.name).channel;
+    if (!is_joint || channel.empty() || is_known(column.name)) continue;
+    const bool is_mapped =
+        std::ranges::find(choice.joints, channel, &ColumnJoint::channel) != choice.joints.end();
+    if (!is_mapped) beside.push_back(c);
+  }
+  return beside;
+}
+
 }  // namespace
 
 ProfileFacts FactsOf(const JointEvidence& evidence) {
@@ -521,7 +546,15 @@ JointChoice ChooseJoints(const JointEvidence& evidence, const JointOptions& opti
     return choice;
   }
   if (!known.empty()) {
-    ChooseByProfile(evidence, *known.front(), JointBasis::kProfile, choice);
+    const Profile& profile = *known.front();
+    ChooseByProfile(evidence, profile, JointBasis::kProfile, choice);
+    if (const auto beside = JointsBeside(evidence, profile, choice); !beside.empty()) {
+      choice.question =
+          fmt::format("like {}, but {}, which it does not have", profile.name,
+                      ColumnsText(beside) + (beside.size() == 1 ? " is a joint by its name"
+                                                                : " are joints by their names"));
+      choice.profiles_to_ask_for = {profile.name};
+    }
     return choice;
   }
   if (ChooseByNames(evidence, options, choice)) return choice;
