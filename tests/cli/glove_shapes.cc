@@ -921,6 +921,13 @@ void AddLedOn(Shapes& shapes) {
           },
           AngleDeg),
       "like manus_core_csv, but column 6 is a joint by its name, which it does not have");
+  ask("clocks_swapped",
+      TwoJoints(
+          "time_s,index_mcp,index_pip\n",
+          [](int row) { return fmt::format("{:.2f},", 0.01 * (row % 4 < 2 ? row ^ 1 : row)); },
+          AngleDeg),
+      "the time (column 1) goes back in 25 % of the rows; sort the rows by it");
+  shapes.back().map_answers = false;
   Table window;
   for (int sensor = 1; sensor <= 5; ++sensor) {
     for (int k = 0; k < 20; ++k) {

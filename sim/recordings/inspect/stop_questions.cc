@@ -100,14 +100,21 @@ std::string ClockQuestion(const Inspection& inspection, std::span<const RowGroup
   return "";
 }
 
-/// A sentence if the time falls from row to row.
+/// A sentence if the time falls from row to row, or in so many that it is not used.
 std::string FallingTimeQuestion(const Inspection& inspection, std::span<const RowGroups>) {
   constexpr double kNearlyAlways = 0.9;
+  constexpr double kOften = 0.05;
   for (std::size_t c = 0; !inspection.has_time && c < inspection.columns.size(); ++c) {
     const InspectedColumn& column = inspection.columns[c];
-    if (TimeScaleS(column.name) && column.statistics.falling_share > kNearlyAlways) {
-      return fmt::format("the time (column {}) falls from row to row; sort the rows by it", c + 1);
-    }
+    const double share = column.statistics.falling_share;
+    if (!TimeScaleS(column.name) || share <= kOften) continue;
+    return share > kNearlyAlways
+               ? fmt::format("the time (column {}) falls from row to row; sort the rows by it",
+                             c + 1)
+               : fmt::format(
+                     "the time (column {}) goes back in {:.0f} % of the rows; sort the "
+                     "rows by it",
+                     c + 1, 100.0 * share);
   }
   return "";
 }
@@ -305,6 +312,7 @@ constexpr StopRule kStopRules[] = {
     {AlternatingQuestion, Remedy::kInSentence, true},
     {SendersQuestion, Remedy::kInSentence, true},
     {RateBeyondQuestion, Remedy::kMap, true},
+    {FallingTimeQuestion, Remedy::kInSentence},
     {StillQuestion, Remedy::kInSentence, true},
     {TablesQuestion, Remedy::kInSentence, true},
     {RowsQuestion, Remedy::kInSentence, true},
@@ -312,7 +320,6 @@ constexpr StopRule kStopRules[] = {
     {HeaderQuestion, Remedy::kInSentence},
     {LongHeaderQuestion, Remedy::kInSentence},
     {OwnClocksQuestion, Remedy::kMap},
-    {FallingTimeQuestion, Remedy::kInSentence},
     {TextTimeQuestion, Remedy::kInSentence},
     {TimeUnitQuestion, Remedy::kInSentence},
     {ClockQuestion, Remedy::kMap},
