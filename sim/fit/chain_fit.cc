@@ -378,6 +378,41 @@ std::optional<FittedFamily> FitLost(std::span<const double> motor_deg,
   return FitFamily(rows, PlayFamily(), starts);
 }
 
+/// Pearson's coefficient of the command with the angle so many samples later.
+double CorrelationAt(const std::vector<double>& command, const std::vector<double>& angle,
+                     double samples) {
+  const auto lag = static_cast<Index>(std::lround(samples));
+  const Index count = std::ssize(command) - std::abs(lag);
+  const Eigen::Map<const VectorXd> c(command.data(), std::ssize(command));
+  const Eigen::Map<const VectorXd> a(angle.data(), std::ssize(angle));
+  VectorXd x = c.segment(std::max<Index>(0, -lag), count);
+  VectorXd y = a.segment(std::max<Index>(0, lag), count);
+  x.array() -= x.mean();
+  y.array() -= y.mean();
+  return x.dot(y) / (x.norm() * y.norm());
+}
+
+/// The delay of the angle [samples]. A long one must fit better than a short one of the opposite
+/// motion: half a period later, any motion that repeats is its opposite.
+std::optional<double> DelayOf(const std::vector<double>& command, std::vector<double> angle,
+                              double rate_hz) {
+  constexpr double kBetter = 0.05;
+  Fourier fourier;
+  const CountedTicks all{{0, static_cast<int>(command.size())}};
+  std::optional<double> found;
+  double earliest_s = -kLead_s;
+  for (; !found && earliest_s < kLongestSearch_s; earliest_s += kOneSearch_s) {
+    found = DelaySamples(command, angle, rate_hz, earliest_s, all, fourier);
+  }
+  if (!found || earliest_s < kOneSearch_s) return found;  // in the first search
+  const double correlation = CorrelationAt(command, angle, *found);
+  for (double& value : angle) value = -value;
+  const auto opposite = DelaySamples(command, angle, rate_hz, -kLead_s, all, fourier);
+  const bool is_better =
+      !opposite || correlation > CorrelationAt(command, angle, *opposite) + kBetter;
+  return is_better ? found : std::nullopt;
+}
+
 /// The reason why no chain can be fitted; empty if there is none. `delay_s` receives the start
 /// value.
 std::string ProblemOf(std::span<const double> command_deg, std::span<const double> angle_deg,
@@ -400,13 +435,7 @@ std::string ProblemOf(std::span<const double> command_deg, std::span<const doubl
   };
   if (rms(command) < kStillRms_rad) return "its command does not move";
   if (rms(angle) < kStillRms_rad) return "it does not move";
-  Fourier fourier;
-  const CountedTicks all{{0, static_cast<int>(command.size())}};
-  std::optional<double> delay_samples;
-  for (double earliest_s = -kLead_s; !delay_samples && earliest_s < kLongestSearch_s;) {
-    delay_samples = DelaySamples(command, angle, rate_hz, earliest_s, all, fourier);
-    earliest_s += kOneSearch_s;
-  }
+  const auto delay_samples = DelayOf(command, angle, rate_hz);
   if (!delay_samples) return "it does not follow its command: no delay to be seen";
   delay_s = *delay_samples / rate_hz;
   if (delay_s < -1.0 / rate_hz) {
