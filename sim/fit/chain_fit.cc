@@ -413,6 +413,16 @@ std::optional<double> DelayOf(const std::vector<double>& command, std::vector<do
   return is_better ? found : std::nullopt;
 }
 
+/// True if the angle follows the opposite of the command.
+bool IsOpposite(const std::vector<double>& command, std::vector<double> angle, double rate_hz) {
+  constexpr double kClearly = 0.8;
+  for (double& value : angle) value = -value;
+  Fourier fourier;
+  const CountedTicks all{{0, static_cast<int>(command.size())}};
+  const auto delay = DelaySamples(command, angle, rate_hz, -kLead_s, all, fourier);
+  return delay && CorrelationAt(command, angle, *delay) > kClearly;
+}
+
 /// The reason why no chain can be fitted; empty if there is none. `delay_s` receives the start
 /// value.
 std::string ProblemOf(std::span<const double> command_deg, std::span<const double> angle_deg,
@@ -436,7 +446,11 @@ std::string ProblemOf(std::span<const double> command_deg, std::span<const doubl
   if (rms(command) < kStillRms_rad) return "its command does not move";
   if (rms(angle) < kStillRms_rad) return "it does not move";
   const auto delay_samples = DelayOf(command, angle, rate_hz);
-  if (!delay_samples) return "it does not follow its command: no delay to be seen";
+  if (!delay_samples) {
+    return IsOpposite(command, angle, rate_hz)
+               ? "its angle falls where its command rises: turn the sign of one of the columns"
+               : "it does not follow its command: no delay to be seen";
+  }
   delay_s = *delay_samples / rate_hz;
   if (delay_s < -1.0 / rate_hz) {
     return fmt::format("it is ahead of its command by {:.1f} ms: are the columns exchanged?",
@@ -476,6 +490,9 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
     return fit;
   }
   EstimateSplit(fits, fit);
+  const Eigen::Map<const VectorXd> angle(angle_deg.data(), std::ssize(angle_deg));
+  fit.left_share =
+      std::min(fit.residual_rms_deg, fit.shifted_rms_deg) / Rms(angle.array() - angle.mean());
   if (fit.frames) WidenDeadTime(1e3 * fit.frames->open_rows / rate_hz, fit.dead_time_ms);
   if (detail == ChainDetail::kBasic) return fit;
   CheckDelay(rows, fits.front(), fit);

@@ -46,6 +46,7 @@ struct ChainFit {
   double residual_rms_deg = kNaN;
   double held_out_rms_deg = kNaN;  // of blocks of the log that the fit did not contain
   double shifted_rms_deg = kNaN;   // RMS with the delay alone
+  double left_share = 0.0;         // smaller of both RMS, over that of the angle about its mean
 };
 
 /// kDelay: the delay alone. kBasic: lost motion is the only addition to the basic chain, and no

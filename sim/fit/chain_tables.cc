@@ -220,6 +220,20 @@ Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain,
                        fmt::format("No result for {}: {}.{}", FirstNames(failed), problem,
                                    delays_ms.empty() ? "" : " The mean of the others is written."));
   }
+  constexpr double kMostLeft = 0.25;  // of the motion
+  std::vector<std::string> strays;
+  double left = 0.0;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    if (!(fits[i].left_share > kMostLeft)) continue;
+    strays.push_back(log.parts[i]);
+    left = std::max(left, fits[i].left_share);
+  }
+  if (!strays.empty()) {
+    verdict.AddWarning("strays",
+                       fmt::format("With the best delay, {:.0f} % of the motion of {} is left: "
+                                   "something else moves or holds it.",
+                                   100.0 * left, FirstNames(strays)));
+  }
   verdict.AddWarning("unit", log.unit_note);
   return verdict;
 }

@@ -18,8 +18,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index kFewestRows = 20;
-/// Residual of a copy, as a share of the angle's standard deviation: rounding to four digits.
-constexpr double kCopyResidual = 3e-4;
+/// RMS residual of a copy, in steps to which the values are rounded: that of both, and a margin.
+constexpr double kCopySteps = 0.45;
+constexpr double kCopyResidual = 1e-6;  // of values that are not rounded, over their spread
+constexpr Index kLatestCopy = 5;
 
 struct LinearFit {
   double gain = 0.0;
@@ -47,6 +49,24 @@ LinearFit FitLate(const VectorXd& x, const VectorXd& y, Index rows, bool has_dri
              y.segment(std::max<Index>(0, rows), count), has_drift);
 }
 
+/// Standard deviation.
+double Spread(const VectorXd& values) {
+  return std::sqrt((values.array() - values.mean()).square().mean());
+}
+
+/// The step to which values are rounded: the smallest distance of two different ones; far below
+/// their spread for values that are not.
+double StepOf(const VectorXd& values) {
+  std::vector<double> sorted(values.begin(), values.end());
+  std::ranges::sort(sorted);
+  double step = 0.0;
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    const double distance = sorted[i] - sorted[i - 1];
+    if (distance > 0.0 && (step == 0.0 || distance < step)) step = distance;
+  }
+  return step;
+}
+
 LinearFit Best(const VectorXd& x, const VectorXd& y, Index most_rows, bool has_drift) {
   LinearFit best;
   // The step grows with the lag: a tenth of it changes little.
@@ -65,12 +85,19 @@ CommandKind FindCommandKind(std::span<const double> command, std::span<const dou
   const Eigen::Map<const VectorXd> c(command.data(), std::ssize(command));
   const Eigen::Map<const VectorXd> a(angle.data(), std::ssize(angle));
   if (c.size() < kFewestRows) return CommandKind::kTarget;
+  const double spread = Spread(a);
+  const double step_a = StepOf(a);
+  const double step_c = StepOf(c);
   const auto is_copy = [&](Index rows) {
     const LinearFit fit = FitLate(c, a, rows, false);
-    return fit.gain > 0.0 && fit.residual_share < kCopyResidual;
+    const double step = std::max(step_a, std::abs(fit.gain) * step_c);
+    return fit.residual_share * spread < kCopySteps * step + kCopyResidual * spread;
   };
+  if (!(spread > 0.0)) return CommandKind::kTarget;
   if (is_copy(0)) return CommandKind::kCopy;
-  if (is_copy(1)) return CommandKind::kNextRow;
+  for (Index rows = 1; rows <= kLatestCopy; ++rows) {
+    if (is_copy(rows)) return rows == 1 ? CommandKind::kNextRow : CommandKind::kLaterRow;
+  }
   if (is_copy(-1)) return CommandKind::kEarlierRow;
 
   constexpr double kLongestDelay_s = 3.0;
@@ -102,6 +129,8 @@ std::string ProblemOf(CommandKind kind, double rate_hz) {
       return fmt::format(
           "its commands are the angles of the next row: {:.3g} ms is the row, not the hand",
           1e3 / rate_hz);
+    case CommandKind::kLaterRow:
+      return "its commands are the angles of a later row, to the last digit: none was measured";
     case CommandKind::kEarlierRow:
       return "its commands are the angles of the row before: no delay can be told";
     case CommandKind::kSteps:

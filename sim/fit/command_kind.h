@@ -10,6 +10,7 @@ enum class CommandKind {
   kTarget,      // position to go to: the only one that has a delay
   kCopy,        // the angle of the same row
   kNextRow,     // the angle of the next row
+  kLaterRow,    // the angle of one of the rows behind it
   kEarlierRow,  // the angle of the row before
   kSteps,       // changes of the angle from row to row
   kVelocity,    // speed of the angle
@@ -17,7 +18,7 @@ enum class CommandKind {
 
 /// Finds what a command is from how it fits the angle:
 ///
-///     copy            c[n] = g a[n + k] + b,  k = 0, 1, -1, but for rounding
+///     copy            c[n] = g a[n + k] + b,  k = -1..5, but for the rounding of both
 ///     steps, velocity a[n] = g sum(c[0..n - k]) + b + d n,  k = 0..3; better than any
 ///                     a[n] = g c[n - k] + b,  k up to 3 s;  g about 1: steps, 1 / rate: velocity
 ///

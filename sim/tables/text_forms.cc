@@ -127,8 +127,13 @@ std::optional<TextForm> LabelledForm(const std::vector<std::string>& head) {
 
 /// The cells of a line behind `CLOCK ->`, the clock first. None without one.
 std::optional<Cells> ClockedCells(std::string_view line) {
-  if (line.find("->") == std::string_view::npos) return std::nullopt;
+  const std::size_t arrow = line.find("->");
+  if (arrow == std::string_view::npos && !line.starts_with('[')) return std::nullopt;
   auto clock = TakeClockBefore(line);
+  if (!clock && arrow != std::string_view::npos && IsNumber(line.substr(0, arrow))) {
+    clock = std::string(Trimmed(line.substr(0, arrow)));  // seconds since the start
+    line.remove_prefix(arrow + 2);
+  }
   if (!clock) return std::nullopt;
   Cells cells = {std::move(*clock)};
   const char separator = SeparatorOf(Trimmed(line));

@@ -407,7 +407,12 @@ TEST(FitChain, SaysInOneSentenceWhatALogLacks) {
   EXPECT_EQ(problem(a, a), "is 4.5 s long, must be at least 5 s");
   std::vector<double> opposite = command;
   for (double& value : opposite) value = -value;
-  EXPECT_THAT(problem(command, opposite), HasSubstr("no delay to be seen"));
+  EXPECT_THAT(problem(command, opposite), HasSubstr("its angle falls where its command rises"));
+  std::vector<double> other;
+  for (int k = 0; k < 4000; ++k) {
+    other.push_back(20.0 * std::sin(0.37 * k / 200.0) + 15.0 * std::sin(9.1 * k / 200.0));
+  }
+  EXPECT_THAT(problem(command, other), HasSubstr("it does not follow its command"));
 }
 
 TEST(FitChain, GivesTheDelayAloneWhereOneSineDoesNotTellThePartsApart) {

@@ -117,13 +117,16 @@ TEST(CommandKind, IsThatOfSimulatedLogs) {
               {kCopy, Scaled(a, 0.01, 0.5)},
               {kNextRow, Rounded(Later(a, 1), 0.001)},
               {kEarlierRow, Later(a, -1)},
+              {kCopy, Scaled(a, -1.0, 100.0)},
+              {kNextRow, Rounded(Later(a, 1), 0.1)},
+              {kLaterRow, Later(a, 3)},
               {kSteps, Measured(Changes(clean, 0), 0.005, 0.0, random)},
               {kSteps, Changes(c, 0)},
               {kVelocity, Scaled(Changes(clean, 0), rate_hz, 0.0)},
           };
           for (const auto& [kind, command] : commands) {
             // A delay far beyond what sums are searched for, or below a row, says nothing here.
-            if (kind == kSteps && &command == &commands[7].second && delay_s * rate_hz > 3.0) {
+            if (kind == kSteps && &command == &commands[10].second && delay_s * rate_hz > 3.0) {
               continue;
             }
             const CommandKind found = FindCommandKind(command, a, rate_hz);
@@ -150,6 +153,19 @@ TEST(CommandKind, IsThatOfSimulatedLogs) {
 TEST(CommandKind, OfAStillOrShortLogIsATarget) {
   EXPECT_EQ(FindCommandKind(Values(100, 3.0), Values(100, 3.0), 30.0), CommandKind::kTarget);
   EXPECT_EQ(FindCommandKind(Values{1.0, 2.0}, Values{1.0, 2.0}, 30.0), CommandKind::kTarget);
+}
+
+/// A slow motion hardly differs from the row behind it, and is no copy.
+TEST(CommandKind, OfASlowHandOneRowLateIsATarget) {
+  for (const double delay_s : {0.0012, 0.0055, 0.021}) {
+    Values command, angle;
+    for (int n = 0; n < 4000; ++n) {
+      command.push_back(35.0 * std::sin(2.0 * kPi * n / 50.0 / 40.0));
+      angle.push_back(35.0 * std::sin(2.0 * kPi * (n / 50.0 - delay_s) / 40.0));
+    }
+    EXPECT_EQ(FindCommandKind(Rounded(command, 1e-4), Rounded(angle, 1e-4), 50.0),
+              CommandKind::kTarget);
+  }
 }
 
 TEST(CommandKind, OfASineThatLagsByAQuarterIsATarget) {

@@ -783,6 +783,14 @@ void AddParts(Shapes& shapes) {
           },
           hands),
       "rows of 2 hands or devices alternate (column 2 'hand')");
+  add("parts_hands_behind",
+      TwoJoints(
+          "time,hand,index_mcp,index_pip\n",
+          [](int row) {
+            return fmt::format("{:.2f},{},", 0.01 * row, row < kRows / 2 ? "left" : "right");
+          },
+          AngleDeg),
+      "rows of 2 hands or devices (column 2 'hand')");
   add("parts_devices",
       TwoJoints(
           "time,device_id,index_mcp,index_pip\n",

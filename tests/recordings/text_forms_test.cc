@@ -37,6 +37,15 @@ TEST(PlainTable, TakesTheClockOffThatASerialMonitorWrites) {
             "time,value_1,value_2\n10:15:00.000,300,4\n10:15:00.020,301,5\n10:15:00.040,302,6\n");
 }
 
+TEST(PlainTable, TakesOtherClocksOff) {
+  EXPECT_EQ(PlainOf("[2024-03-01 10:15:00.02] 3,4\n[2024-03-01 10:15:00.04] 3,5\n"
+                    "[2024-03-01 10:15:00.06] 2,6\n"),
+            "time,value_1,value_2\n2024-03-01 10:15:00.02,3,4\n2024-03-01 10:15:00.04,3,5\n"
+            "2024-03-01 10:15:00.06,2,6\n");
+  EXPECT_EQ(PlainOf("12.02 -> 3 4\n12.04 -> 3 5\n12.06 -> 2 6\n"),
+            "time,value_1,value_2\n12.02,3,4\n12.04,3,5\n12.06,2,6\n");
+}
+
 TEST(PlainTable, SpreadsListsOverColumns) {
   EXPECT_EQ(PlainOf(",action,t\n0,[1.5  -2. ],0.1\n1,\"[3, 4]\",0.2\n2,[ 5.\n 6.],0.3\n"),
             ",action_1,action_2,t\n0,1.5,-2.,0.1\n1,3,4,0.2\n2,5.,6.,0.3\n");

@@ -530,6 +530,13 @@ JointChoice ChooseJoints(const JointEvidence& evidence, const JointOptions& opti
   }
   if (!options.preset.empty()) {
     ChooseByProfile(evidence, ProfileNamed(options.preset, profiles), JointBasis::kProfile, choice);
+    const std::string unit = options.unit == "percent" ? "share" : options.unit;
+    if (!unit.empty() && unit != NameOf(choice.unit)) {
+      throw UserError({.place = "--unit " + options.unit,
+                       .problem = fmt::format("--preset {} has the unit {}; leave out one of them, "
+                                              "or fill in a map",
+                                              options.preset, NameOf(choice.unit))});
+    }
     return choice;
   }
   if (IsCommandLog(evidence.families)) {

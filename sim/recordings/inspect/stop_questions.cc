@@ -282,10 +282,13 @@ std::string RateBeyondQuestion(const Inspection& inspection, std::span<const Row
 /// A sentence if rows of several hands or devices take turns.
 std::string AlternatingQuestion(const Inspection& inspection, std::span<const RowGroups> groups) {
   for (const RowGroups& group : groups) {
-    if (!group.Alternate()) continue;
+    const std::string& name = inspection.columns[group.column()].name;
+    const bool names_hands = HasWordOf(WordsOf(name), "hand handedness side");
+    if (!group.Alternate() && !(names_hands && group.count() == 2)) continue;
     return fmt::format(
-        "rows of {} hands or devices alternate (column {} '{}'); keep those of one in a file",
-        group.count(), group.column() + 1, OneLine(inspection.columns[group.column()].name, 20));
+        "rows of {} hands or devices{} (column {} '{}'); keep those of one in a file",
+        group.count(), group.Alternate() ? " alternate" : "", group.column() + 1,
+        OneLine(name, 20));
   }
   return "";
 }
