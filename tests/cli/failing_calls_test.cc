@@ -36,7 +36,7 @@ std::string Study(const fs::path& folder) {
   return folder / "study.yaml";
 }
 
-/// Ten seconds of a servo that follows its commands 30 ms late, at 100 Hz.
+/// Ten seconds of a servo that follows its commands 33 ms late, at 100 Hz.
 std::string Log(const fs::path& folder) {
   std::ofstream log(folder / "claw.csv");
   log << "time_s,claw_command_deg,claw_deg\n";
@@ -45,7 +45,7 @@ std::string Log(const fs::path& folder) {
   };
   for (int k = 0; k < 1000; ++k) {
     const double t = 0.01 * k;
-    log << fmt::format("{:.2f},{:.4f},{:.4f}\n", t, command_deg(t), command_deg(t - 0.03));
+    log << fmt::format("{:.2f},{:.4f},{:.4f}\n", t, command_deg(t), command_deg(t - 0.033));
   }
   return folder / "claw.csv";
 }

@@ -132,7 +132,7 @@ TEST_F(IdentifyCliTest, TakesEachRowsCommandAsHeldWhenToldSo) {
     };
     const double t = 0.02 * k;
     log += std::to_string(t) + "," + std::to_string(command(t)) + "," +
-           std::to_string(command(t - 0.06)) + "\n";
+           std::to_string(command(t - 0.063)) + "\n";
   }
   folder_.Write("claw.csv", log);
   const auto part_of = [this](std::vector<std::string> arguments) {
@@ -144,8 +144,8 @@ TEST_F(IdentifyCliTest, TakesEachRowsCommandAsHeldWhenToldSo) {
   };
   const nlohmann::json smooth = part_of({});
   const nlohmann::json held = part_of({"--held"});
-  EXPECT_NEAR(late_ms(smooth), 60.0, 1.0);
-  EXPECT_NEAR(late_ms(held), 50.0, 2.0);  // steps of 20 ms are 10 ms late by themselves
+  EXPECT_NEAR(late_ms(smooth), 63.0, 1.0);
+  EXPECT_NEAR(late_ms(held), 53.0, 2.0);  // steps of 20 ms are 10 ms late by themselves
   EXPECT_EQ(held["delay_ms"], smooth["delay_ms"]);
 }
 

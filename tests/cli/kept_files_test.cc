@@ -32,13 +32,13 @@ std::string Recording() {
   return table;
 }
 
-/// Five seconds of a servo 30 ms behind its command, at 100 Hz.
+/// Five seconds of a servo 33 ms behind its command, at 100 Hz.
 std::string Log() {
   std::string table = "time_s,claw_command_deg,claw_deg\n";
   const auto command = [](double t) { return 30.0 * std::sin(3.0 * t + 0.4 * t * t); };
   for (int k = 0; k < 500; ++k) {
     const double t = 0.01 * k;
-    table += fmt::format("{:.2f},{:.4f},{:.4f}\n", t, command(t), command(t - 0.03));
+    table += fmt::format("{:.2f},{:.4f},{:.4f}\n", t, command(t), command(t - 0.033));
   }
   return table;
 }
