@@ -230,8 +230,8 @@ Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain,
   }
   if (!strays.empty()) {
     verdict.AddWarning("strays",
-                       fmt::format("With the best delay, {:.0f} % of the motion of {} is left: "
-                                   "something else moves or holds it.",
+                       fmt::format("With the best delay, up to {:.0f} % of the motion of {} is "
+                                   "left: the model explains little of it.",
                                    100.0 * left, FirstNames(strays)));
   }
   verdict.AddWarning("unit", log.unit_note);
