@@ -170,7 +170,7 @@ void FillIn(const fs::path& map, const std::string& question) {
   std::ofstream(map) << text;
 }
 
-/// What a person is told to do answers the question: the next one, if any, is another.
+/// Advice answers its question: the next one, if any, is another.
 TEST(GloveShapes, LeadOnByEachRecipeOfTheirQuestions) {
   int recipes = 0, maps = 0, answered = 0;
   for (const GloveShape& shape : GloveShapes()) {
