@@ -145,7 +145,7 @@ class DeviceGlove final : public LiveGlove {
   RowRing<Head> frames_;
   std::atomic<bool> has_ended_ = false;
 
-  // Of the control thread.
+  // The control thread has these.
   Head first_;
   std::vector<double> first_counts_;
   bool has_first_ = false;          // waits for the first tick, outside the ring
@@ -157,7 +157,7 @@ class DeviceGlove final : public LiveGlove {
   std::int64_t grid_shifts_ = 0;
   std::int64_t most_waiting_ = 0;
 
-  // Of the thread that reads.
+  // The thread that reads has these.
   FrameChannels channels_;
   FrameArrivals arrivals_;
   std::int64_t first_arrival_ns_ = 0;

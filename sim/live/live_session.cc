@@ -43,7 +43,7 @@ class Session {
   void Gather();
   void KeepStill();
 
-  // Of the control thread.
+  // The control thread has these.
   void Control(PeriodicWake& wake);
   void Tick(const PeriodicWake& wake, const PeriodicWake::Woken& woken) noexcept;
   void Skip(std::int64_t ticks) noexcept;
@@ -70,7 +70,7 @@ class Session {
   std::unique_ptr<LiveGlove> glove_;
   std::unique_ptr<SessionLog> log_;
 
-  // Of the control thread.
+  // The control thread has these.
   Shadows shadows_;
   ControllerSwitch switch_;
   MotorRest rest_;

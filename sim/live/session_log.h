@@ -19,7 +19,7 @@ class SessionLog {
   /// The rows go into `result`, which has its shadows. Errors: RunError if no thread starts.
   SessionLog(const LiveSetup& setup, LiveResult& result);
 
-  // Of the control thread.
+  // The control thread has these.
   void AddTick(const HandLoop& loop) noexcept { recorder_.Record(loop); }
   /// Time since the first tick.
   void AddSample(double time_s, std::span<const double> counts) noexcept {
