@@ -11,12 +11,14 @@
 #include "python/long_call.h"
 #include "python/results.h"
 #include "sim/base/text.h"
+#include "sim/fit/audit_tables.h"
 #include "sim/fit/chain_tables.h"
 #include "sim/fit/hand_log.h"
 #include "sim/fit/identified_hand.h"
 #include "sim/recordings/inspect/inspection.h"
 #include "sim/recordings/inspect/inspection_tables.h"
 #include "sim/recordings/inspect/starter_files.h"
+#include "sim/show/pages/audit_page.h"
 #include "sim/show/pages/chain_page.h"
 
 namespace gauntlet::python {
@@ -57,6 +59,30 @@ py::dict Identify(const std::string& log, const sim::HandLogOptions& options, bo
   return dict;
 }
 
+/// {"json", "page", "text", "html", "tables", "remarks"}.
+py::dict AuditOf(const std::string& log, const sim::ChainLogOptions& options,
+                 const py::object& on_progress) {
+  std::optional<sim::Audit> audit;
+  std::string page;
+  const std::vector<std::string> remarks = RunLong(on_progress, [&](LongWork& work) {
+    constexpr int kParts = 1000;
+    audit = sim::AuditLog(log, options, [&](double share) {
+      work.Progress(static_cast<int>(share * kParts), kParts);
+    });
+    page = sim::AuditPage(*audit);
+    if (!audit->ignored.empty()) {
+      work.Remark(
+          fmt::format("{}: ignored columns: {}", audit->name, fmt::join(audit->ignored, ", ")));
+    }
+  });
+  py::dict dict;
+  dict["json"] = sim::AuditJson(*audit);
+  dict["page"] = page;
+  dict["remarks"] = remarks;
+  AddText(sim::AuditText(*audit, false), sim::AuditText(*audit, true), dict);
+  return dict;
+}
+
 /// {"json", "question", "starter_map", "text", "html", "tables", "remarks"}.
 py::dict Inspect(const std::string& file, const sim::InspectionOptions& options,
                  const py::object& on_progress) {
@@ -89,15 +115,38 @@ void BindLogs(py::module_& module) {
       "identify",
       [](const std::string& log, const std::string& controller, bool from_wearer,
          const std::string& array, const std::string& map, const std::string& unit,
-         const std::optional<int>& episode, bool held, const py::object& on_progress) {
+         const std::optional<int>& episode, const std::string& command, const std::string& state,
+         bool held, const py::object& on_progress) {
         return Identify(log,
                         {.controller = controller,
                          .from_wearer = from_wearer,
-                         .table = {.array = array, .map = map, .unit = unit, .episode = episode}},
+                         .table = {.array = array,
+                                   .map = map,
+                                   .unit = unit,
+                                   .episode = episode,
+                                   .command = command,
+                                   .state = state}},
                         held, on_progress);
       },
       py::arg("log"), py::arg("controller"), py::arg("from_wearer"), py::arg("array"),
-      py::arg("map"), py::arg("unit"), py::arg("episode"), py::arg("held"), py::arg("on_progress"));
+      py::arg("map"), py::arg("unit"), py::arg("episode"), py::arg("command"), py::arg("state"),
+      py::arg("held"), py::arg("on_progress"));
+  module.def(
+      "audit",
+      [](const std::string& log, const std::string& array, const std::string& command,
+         const std::string& state, const std::string& map, const std::string& unit,
+         const std::optional<int>& episode, const py::object& on_progress) {
+        return AuditOf(log,
+                       {.array = array,
+                        .map = map,
+                        .unit = unit,
+                        .episode = episode,
+                        .command = command,
+                        .state = state},
+                       on_progress);
+      },
+      py::arg("log"), py::arg("array"), py::arg("command"), py::arg("state"), py::arg("map"),
+      py::arg("unit"), py::arg("episode"), py::arg("on_progress"));
   module.def(
       "inspect",
       [](const std::string& file, double rate_hz, const std::string& array,

@@ -19,14 +19,14 @@ import numpy as np
 from . import _core
 from ._errors import Remark, RunError, SettingError
 from ._filters import Filters as _Filters, PythonFilter
-from ._results import (Column, Figure, IdentifyResult, InspectResult, Result, SignalArrays, StudyResult, SweepResult, Table,
-                       TuneResult)
+from ._results import (AuditResult, Column, Figure, IdentifyResult, InspectResult, Result, SignalArrays, StudyResult,
+                       SweepResult, Table, TuneResult)
 from ._settings import Settings, overrides as _overrides, source as _source, to_yaml
 
 __version__: str = _core.__version__
-__all__ = ["Column", "Controller", "Figure", "IdentifyResult", "InspectResult", "PythonFilter", "Remark", "Result", "RunError",
-           "SettingError", "Settings", "SignalArrays", "StudyResult", "SweepResult", "Table", "TuneResult", "compare",
-           "filter", "filter_kinds", "identify", "inspect", "run", "sweep", "to_yaml", "tune"]
+__all__ = ["AuditResult", "Column", "Controller", "Figure", "IdentifyResult", "InspectResult", "PythonFilter", "Remark", "Result",
+           "RunError", "SettingError", "Settings", "SignalArrays", "StudyResult", "SweepResult", "Table", "TuneResult", "audit",
+           "compare", "filter", "filter_kinds", "identify", "inspect", "run", "sweep", "to_yaml", "tune"]
 
 #: None: a line on standard error if that is a terminal. True, False: with or without it. Or a function of
 #: what is done and what there is in all, called about twenty times per second.
@@ -242,12 +242,12 @@ def sweep(study: Settings, *, set: Overrides = None, seeds: Optional[int] = None
 
 def identify(log: Union[str, "os.PathLike[str]"], *, source: str = "wearer", controller: str = "", array: str = "",
              topic: str = "", map: Union[str, "os.PathLike[str]"] = "", unit: str = "", episode: Optional[int] = None,
-             held: bool = False, progress: Progress = None) -> IdentifyResult:
+             command: str = "", state: str = "", held: bool = False, progress: Progress = None) -> IdentifyResult:
     """Delay, lag and hysteresis of a hand from a log of commands and angles, or from an output folder.
 
     source      of an output folder: the chain from the wearer's angles ("wearer") or from the targets ("target")
     controller  of an output folder; empty: the scenario's first
-    array, topic, map, unit, episode, held  as of `gauntlet identify`
+    array, topic, map, unit, episode, command, state, held  as of `gauntlet identify`
     """
     if source not in ("wearer", "target"):
         raise SettingError("source", "", f"is {source}, must be wearer or target")
@@ -255,9 +255,21 @@ def identify(log: Union[str, "os.PathLike[str]"], *, source: str = "wearer", con
         raise SettingError("unit", "", f"is {unit}, must be deg or rad")
     with _Line(progress, "identify") as told:
         found = _core.identify(os.fspath(log), controller, source == "wearer", _array(array, topic), os.fspath(map), unit,
-                               episode, held, told)
+                               episode, command, state, held, told)
     _remark(found["remarks"])
     return IdentifyResult(found)
+
+
+def audit(log: Union[str, "os.PathLike[str]"], *, array: str = "", topic: str = "", command: str = "", state: str = "",
+          map: Union[str, "os.PathLike[str]"] = "", unit: str = "", episode: Optional[int] = None,
+          progress: Progress = None) -> AuditResult:
+    """What the commands of a data set are, and the delay and offset of each part. Arguments as of `gauntlet audit`."""
+    if unit not in ("", "deg", "rad"):
+        raise SettingError("unit", "", f"is {unit}, must be deg or rad")
+    with _Line(progress, "audit") as told:
+        found = _core.audit(os.fspath(log), _array(array, topic), command, state, os.fspath(map), unit, episode, told)
+    _remark(found["remarks"])
+    return AuditResult(found)
 
 
 def inspect(file: Union[str, "os.PathLike[str]"], *, rate_hz: float = 0.0, array: str = "", topic: str = "",

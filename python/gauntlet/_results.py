@@ -276,6 +276,17 @@ class IdentifyResult(Result):
         self.page: str = found["page"]
 
 
+class AuditResult(Result):
+    """The result of audit().
+
+    page  delays, offsets by episode, and the largest error of each part
+    """
+
+    def __init__(self, found: dict[str, Any]) -> None:
+        super().__init__(found, found["json"], found["remarks"])
+        self.page: str = found["page"]
+
+
 class InspectResult(Result):
     """The result of inspect().
 

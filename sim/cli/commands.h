@@ -27,6 +27,7 @@ Command MakeDoctorCommand();
 // The others.
 Command MakeCalibrateCommand();
 Command MakeIdentifyCommand();
+Command MakeAuditCommand();
 Command MakeValidateCommand();
 Command MakeRetargetCommand();
 Command MakeReproduceCommand();

@@ -28,11 +28,13 @@ namespace {
 /// Common part of both commands.
 struct LogOptions {
   std::string log;
-  std::string array;  // of a file with several
-  std::string map;    // column map
-  std::string unit;   // of columns whose names have none
-  std::string hand;   // of a validation; empty: a joint and a servo for each part
-  std::string out;    // empty: out/<log>.chain.yaml, or out/<log>.validation.html
+  std::string array;    // of a file with several
+  std::string command;  // topics
+  std::string state;
+  std::string map;   // column map
+  std::string unit;  // of columns whose names have none
+  std::string hand;  // of a validation; empty: a joint and a servo for each part
+  std::string out;   // empty: out/<log>.chain.yaml, or out/<log>.validation.html
   bool json = false;
   TerminalOptions terminal;
 
@@ -40,6 +42,7 @@ struct LogOptions {
   Options Rows() {
     return {
         ArrayOptions(array),
+        TopicPairOptions(command, state),
         Option("--map", &map, {.value = "FILE.csv", .offer = Offer::kFiles},
                "column map: columns with the channels command, angle and motor, their joint in the "
                "key joint [by names]"),
@@ -206,8 +209,11 @@ auto WithProgress(const std::string& name, auto run) {
 void ValidateHand(const LogOptions& options) {
   const fs::path page =
       options.out.empty() ? DefaultOf(options, ".validation.html") : fs::path(options.out);
-  ChainEpisodes episodes = LoadChainEpisodes(
-      options.log, {.array = options.array, .map = options.map, .unit = options.unit});
+  ChainEpisodes episodes = LoadChainEpisodes(options.log, {.array = options.array,
+                                                           .map = options.map,
+                                                           .unit = options.unit,
+                                                           .command = options.command,
+                                                           .state = options.state});
   RefuseInput(page);
   const Validation validation = WithProgress("gauntlet validate", [&](const auto& progress) {
     return Validate(std::move(episodes), options.hand, progress);
@@ -240,7 +246,9 @@ void RunIdentify(const IdentifyOptions& options) {
        .table = {.array = options.array,
                  .map = options.map,
                  .unit = options.unit,
-                 .episode = options.episode < 0 ? std::nullopt : std::optional(options.episode)}});
+                 .episode = options.episode < 0 ? std::nullopt : std::optional(options.episode),
+                 .command = options.command,
+                 .state = options.state}});
   OutputFiles files({.folder = target.parent_path(),
                      .command = "identify",
                      .manifest = BesideTarget(target, ".manifest.json").filename(),

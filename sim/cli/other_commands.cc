@@ -3,9 +3,8 @@
 namespace gauntlet::sim {
 
 std::vector<Command> OtherCommands() {
-  return {MakeCalibrateCommand(), MakeIdentifyCommand(),  MakeValidateCommand(),
-          MakeRetargetCommand(),  MakeReproduceCommand(), MakeLiveCommand(),
-          MakeGloveCommand()};
+  return {MakeCalibrateCommand(), MakeIdentifyCommand(),  MakeAuditCommand(), MakeValidateCommand(),
+          MakeRetargetCommand(),  MakeReproduceCommand(), MakeLiveCommand(),  MakeGloveCommand()};
 }
 
 }  // namespace gauntlet::sim

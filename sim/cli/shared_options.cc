@@ -93,6 +93,13 @@ Options ArrayOptions(std::string& array) {
                  "topic of MCAP or of a ROS 2 bag [the only one with signals]")};
 }
 
+Options TopicPairOptions(std::string& command, std::string& state) {
+  return {Option("--command", &command, {.value = "TOPIC", .excludes = {"--array", "--topic"}},
+                 "topic of MCAP or of a ROS 2 bag with the commands [by name and type]"),
+          Option("--state", &state, {.value = "TOPIC", .excludes = {"--array", "--topic"}},
+                 "topic with the measured angles [a JointState named state]")};
+}
+
 Option TimeUnitOption(std::string& unit, std::vector<std::string> excludes) {
   return Option("--time-unit", &unit,
                 {.choices = {"s", "ms", "us", "ns"}, .excludes = std::move(excludes)},

@@ -30,6 +30,8 @@ Option OutOption(std::string& out, const std::string& help, const std::string& v
 Option ForceOption(bool& force);
 /// Part of a recording that a command reads: an array or a topic.
 Options ArrayOptions(std::string& array);
+/// Two topics of a log: the commands, and the measured states.
+Options TopicPairOptions(std::string& command, std::string& state);
 
 /// --time-unit, for a column of numbers that is the time.
 Option TimeUnitOption(std::string& unit, std::vector<std::string> excludes = {});

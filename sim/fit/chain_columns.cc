@@ -22,11 +22,12 @@ constexpr std::string_view kWearer = "true_angle_rad.";  // in the CSV of a trac
 constexpr std::string_view kHand = "hand_angle_rad.";
 
 constexpr std::string_view kCommandWords =
-    "command commanded cmd target goal desired des setpoint action actions demand";
+    "command commanded commands cmd ctrl target goal desired des setpoint set reference ref leader "
+    "lead sent action actions demand soll";
 constexpr std::string_view kAngleWords =
     "actual act measured meas feedback fb present observation observed obs state states encoder "
-    "response";
-constexpr std::string_view kPositionWords = "position pos angle";
+    "follower follow qpos read response ist";
+constexpr std::string_view kPositionWords = "position positions pos angle";
 constexpr std::string_view kOtherWords =
     "velocity vel speed current torque effort force load voltage pwm temperature temp acceleration "
     "acc accel power error err tension";
@@ -64,13 +65,26 @@ std::string Small(std::string word) {
   return word;
 }
 
+/// "des1" is "des" and "1".
+void SplitNumbers(std::vector<std::string>& words) {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::size_t digits = words[i].find_last_not_of("0123456789") + 1;
+    if (digits == 0 || digits == words[i].size()) continue;
+    const std::string word = Small(words[i].substr(0, digits));
+    if (!IsWordOf(kCommandWords, word) && !IsWordOf(kAngleWords, word)) continue;
+    words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 1, words[i].substr(digits));
+    words[i].resize(digits);
+  }
+}
+
 /// The role of a column by the words of its name.
 ChainName ReadWords(const std::string& name) {
   ChainName result;
   bool command = false;
   bool angle = false;
   bool other = false;
-  const std::vector<std::string> words = RoleWordsOf(name);
+  std::vector<std::string> words = RoleWordsOf(name);
+  SplitNumbers(words);
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string word = Small(words[i]);
     const bool before_position =
@@ -147,6 +161,7 @@ void PairParts(const FoundTable& table, const std::vector<PartColumn>& bare,
   RejectRepeatedParts(table, columns.angles, "angle");
   std::vector<PartColumn> commands;
   std::vector<PartColumn> angles;
+  std::vector<const PartColumn*> alone;  // commands without an angle
   std::vector<std::string> names;
   for (const PartColumn& angle : columns.angles) names.push_back(angle.part);
   for (const PartColumn& command : columns.commands) {
@@ -162,11 +177,18 @@ void PairParts(const FoundTable& table, const std::vector<PartColumn>& bare,
         columns.motors.push_back({motor->column, command.part, motor->scale, motor->offset_deg});
       }
     } else if (!columns.is_trace) {
-      csv.Fail(command.column + 1,
-               fmt::format("{} has a command but no angle, add a column {}_deg{}",
-                           csv.Quoted(command.part), OneLine(command.part, 60),
-                           Suggestion(command.part, names)));
+      alone.push_back(&command);
     }
+  }
+  // A data set may have commands that nothing measures, but not most of them.
+  if (!alone.empty() && alone.size() >= commands.size()) {
+    const PartColumn& command = *alone.front();
+    csv.Fail(
+        command.column + 1,
+        fmt::format("{} has a command but no angle, add a column {}_deg{}, or pair the columns "
+                    "by --map",
+                    csv.Quoted(command.part), OneLine(command.part, 60),
+                    Suggestion(command.part, names)));
   }
   if (commands.empty()) {
     csv.Fail(1,
@@ -201,8 +223,9 @@ void ListIgnored(const std::vector<std::string>& names, ChainColumns& columns) {
 }
 
 /// The columns of the parts by their names; those of `bare` have no word of a role.
-void FindPartsByName(const std::vector<std::string>& names, std::vector<PartColumn>& bare,
+void FindPartsByName(const TableLayout& layout, std::vector<PartColumn>& bare,
                      ChainColumns& columns) {
+  const std::vector<std::string>& names = layout.names;
   for (std::size_t column = 0; column < names.size(); ++column) {
     const std::string& name = names[column];
     const bool is_time =
@@ -211,6 +234,7 @@ void FindPartsByName(const std::vector<std::string>& names, std::vector<PartColu
     const bool is_episode = std::ranges::find(columns.episodes, column, &EpisodeColumn::column) !=
                             columns.episodes.end();
     if (is_time || is_episode || IsSampleNumber(name)) continue;
+    if (KindOf(layout, column) == CellKind::kText) continue;
     const ChainName read = ReadName(name);
     columns.is_trace |= name.starts_with(kWearer);
     if (read.role == ColumnRole::kOther) continue;
@@ -283,7 +307,7 @@ ChainColumns FindChainColumns(const FoundTable& table, const std::string& map) {
   columns.episodes = FindEpisodes(table.layout);
   std::vector<PartColumn> bare;
   if (map.empty()) {
-    FindPartsByName(names, bare, columns);
+    FindPartsByName(table.layout, bare, columns);
   } else {
     FindPartsByMap(table, map, columns);
   }

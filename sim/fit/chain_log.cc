@@ -14,60 +14,13 @@
 #include "sim/base/text.h"
 #include "sim/base/threads.h"
 #include "sim/fit/chain_columns.h"
-#include "sim/recordings/table_source.h"
-#include "sim/recordings/time_guess.h"
+#include "sim/fit/episode_rows.h"
 #include "sim/tables/csv_reader.h"
 
 namespace gauntlet::sim {
 namespace {
 
-/// Valid values of one column and their times.
-struct Series {
-  std::vector<double> time_s;
-  std::vector<double> value;
-};
-
-/// Linear interpolation at an even rate, beginning at start_s; constant beyond the ends.
-void InterpolateLine(const Series& series, double start_s, double rate_hz,
-                     Eigen::Ref<Eigen::VectorXd> result) {
-  std::size_t next = 0;
-  for (Eigen::Index k = 0; k < result.size(); ++k) {
-    const double time_s = start_s + static_cast<double>(k) / rate_hz;
-    while (next < series.time_s.size() && series.time_s[next] < time_s) ++next;
-    if (next == 0 || next == series.time_s.size()) {
-      result[k] = next == 0 ? series.value.front() : series.value.back();
-      continue;
-    }
-    const double before_s = series.time_s[next - 1];
-    const double share = (time_s - before_s) / (series.time_s[next] - before_s);
-    result[k] = series.value[next - 1] + share * (series.value[next] - series.value[next - 1]);
-  }
-}
-
-/// Like InterpolateLine(), for a command in steps: takes the value of the nearest row, because the
-/// command never had a value in between.
-void InterpolateCommand(const Series& series, double start_s, double rate_hz,
-                        Eigen::Ref<Eigen::VectorXd> result) {
-  const std::vector<double> changes = ChangesOf(series.value);
-  if (!FindCommandClock(changes) && !StepsOf(changes)) {
-    InterpolateLine(series, start_s, rate_hz, result);
-    return;
-  }
-  std::size_t nearest = 0;
-  const auto distance_s = [&](std::size_t row, double time_s) {
-    return std::abs(series.time_s[row] - time_s);
-  };
-  for (Eigen::Index k = 0; k < result.size(); ++k) {
-    const double time_s = start_s + static_cast<double>(k) / rate_hz;
-    while (nearest + 1 < series.time_s.size() &&
-           distance_s(nearest + 1, time_s) <= distance_s(nearest, time_s)) {
-      ++nearest;
-    }
-    result[k] = series.value[nearest];
-  }
-}
-
-void RejectGap(const CsvReader& csv, const PartColumn& column, const Series& series,
+void RejectGap(const CsvReader& csv, const PartColumn& column, const ColumnSeries& series,
                double longest_gap_s) {
   for (std::size_t i = 1; i < series.time_s.size(); ++i) {
     const double gap_s = series.time_s[i] - series.time_s[i - 1];
@@ -79,191 +32,27 @@ void RejectGap(const CsvReader& csv, const PartColumn& column, const Series& ser
   }
 }
 
-/// The valid values of all columns of one episode: commands, angles, motors.
-struct ChainRows {
-  double episode = 0.0;
-  std::vector<Series> series;
-  std::vector<double> steps_s;  // from row to row
-  double count = 0.0;
-  double first_s = 0.0;
-  double last_s = 0.0;
-  std::size_t values_missing = 0;
-};
-
-/// Number of the episode of each row: that of its one column, or counted by changes of several
-/// columns or by times that begin anew.
-class Episodes {
- public:
-  explicit Episodes(const ChainColumns& columns)
-      : columns_(columns), parts_(columns.episodes.size(), kNaN) {}
-
-  /// True if the row begins another episode than the row before.
-  bool Begins(std::span<const double> values, double time_s) {
-    constexpr double kAnew = 0.1;  // of the time that has passed
-    bool changes = false;
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      const double part = values[columns_.episodes[i].column];
-      changes = changes || part != parts_[i];
-      parts_[i] = part;
-    }
-    const bool first = std::isnan(first_s_);
-    const bool anew =
-        !first && time_s < last_s_ && time_s - first_s_ <= kAnew * (last_s_ - first_s_);
-    const bool begins = first || changes || (anew && parts_.empty());
-    if (begins) {
-      first_s_ = time_s;
-      number_ = parts_.size() == 1 ? parts_.front() : first ? 0.0 : number_ + 1.0;
-      numbers_.push_back(number_);
-    }
-    rows_ += 1.0;
-    falls_ += !first && time_s < last_s_ ? 1.0 : 0.0;
-    last_s_ = time_s;
-    return begins;
-  }
-
-  double number() const { return number_; }
-
-  /// Errors: UserError for times that fall, and a number that does not exist.
-  void Check(const CsvReader& csv, std::optional<int> wanted) const {
-    constexpr double kNearlyAlways = 0.9;
-    if (falls_ > kNearlyAlways * (rows_ - 1.0)) {
-      csv.FailInRow(1, columns_.time.front().column + 1,
-                    "the time falls from row to row; sort the rows by it");
-    }
-    if (!wanted || std::ranges::find(numbers_, *wanted) != numbers_.end()) return;
-    const auto [least, most] = std::ranges::minmax(numbers_);
-    const std::size_t column =
-        columns_.episodes.empty() ? columns_.time.front().column : columns_.episodes.front().column;
-    csv.FailInRow(1, column + 1,
-                  numbers_.size() == 1
-                      ? fmt::format("the log has one episode, {:g}: --episode {} does not exist",
-                                    least, *wanted)
-                      : fmt::format("the log has {} episodes ({:g} to {:g}): --episode {} does not "
-                                    "exist",
-                                    numbers_.size(), least, most, *wanted));
-  }
-
- private:
-  const ChainColumns& columns_;
-  std::vector<double> parts_;  // of the last row, by column
-  double rows_ = 0.0;
-  double falls_ = 0.0;  // rows whose time is before that of the row before
-  double number_ = 0.0;
-  double first_s_ = kNaN;
-  double last_s_ = kNaN;
-  std::vector<double> numbers_;
-};
-
-void AddRow(const std::vector<PartColumn>& columns, const std::vector<double>& values,
-            double time_s, ChainRows& rows) {
-  if (rows.count++ == 0.0) {
-    rows.first_s = time_s;
-  } else {
-    rows.steps_s.push_back(time_s - rows.last_s);
-  }
-  rows.last_s = time_s;
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const double value = values[columns[i].column];
-    if (std::isnan(value)) {
-      ++rows.values_missing;
-      continue;
-    }
-    rows.series[i].time_s.push_back(time_s);
-    rows.series[i].value.push_back(value);
-  }
-}
-
-void CheckEpisode(double number, std::size_t column, const CsvReader& csv) {
-  constexpr double kMost = 1e9;
-  if (number >= 0.0 && number <= kMost && number == std::floor(number)) return;
-  csv.Fail(column + 1,
-           fmt::format("the episode is {}, must be a whole number of 0 to {:g}", number, kMost));
-}
-
-/// Reads only the columns of `columns` and of the parts. Errors: UserError for times that do not
-/// rise.
-std::vector<ChainRows> ReadRows(const ChainColumns& columns, const std::vector<PartColumn>& parts,
-                                std::optional<int> wanted, CsvReader& csv) {
-  std::vector<std::size_t> used;
-  for (const EpisodeColumn& episode : columns.episodes) {
-    used.push_back(episode.column);
-    if (episode.is_text) csv.ReadAsTexts(episode.column);
-  }
-  for (const PartColumn& column : parts) used.push_back(column.column);
-  ReadOnly(columns.time, used, csv);
-  const std::size_t time_column = columns.time.front().column;
-  std::vector<ChainRows> all;
-  std::vector<double> values(csv.column_count());
-  Episodes episodes(columns);
-  double last_s = 0.0;
-  while (csv.NextRow(values)) {
-    double time_s = 0.0;
-    for (const TimeMapping& time : columns.time) time_s += values[time.column] * time.scale_s;
-    if (std::isnan(time_s)) csv.Fail(time_column + 1, "the time is missing");
-    for (const EpisodeColumn& episode : columns.episodes) {
-      CheckEpisode(values[episode.column], episode.column, csv);
-    }
-    const bool begins = episodes.Begins(values, time_s);
-    if (!begins && time_s <= last_s) {
-      csv.Fail(time_column + 1,
-               fmt::format("the time is {} s, must be above the {} s of the row before", time_s,
-                           last_s));
-    }
-    last_s = time_s;
-    if (wanted && episodes.number() != *wanted) continue;
-    if (begins) {
-      ChainRows& rows = all.emplace_back();
-      rows.episode = episodes.number();
-      rows.series.resize(parts.size());
-    }
-    AddRow(parts, values, time_s, all.back());
-  }
-  episodes.Check(csv, wanted);
-  if (all.empty()) csv.Fail(1, "the log has fewer than two rows");
-  return all;
-}
-
-/// Scale of the columns whose names have no unit. Named angles beyond a turn of 6.28 are degrees.
-/// Otherwise the unit is unknown, and `note` says so.
-double ScaleWithoutUnit(const ChainColumns& columns, const std::vector<PartColumn>& parts,
-                        const std::vector<ChainRows>& episodes, const std::string& wanted,
-                        ChainLog& log) {
+/// The largest absolute value of the commands and angles whose names have no unit.
+double MostWithoutUnit(const std::vector<PartColumn>& parts, std::size_t used,
+                       const std::vector<EpisodeRows>& episodes) {
   double most = 0.0;
-  bool any = false;
-  for (std::size_t i = 0; i < 2 * columns.commands.size(); ++i) {
+  for (std::size_t i = 0; i < used; ++i) {
     if (parts[i].scale) continue;
-    any = true;
-    for (const ChainRows& rows : episodes) {
+    for (const EpisodeRows& rows : episodes) {
       for (const double value : rows.series[i].value) most = std::max(most, std::abs(value));
     }
   }
-  if (!any) return 1.0;
-  if (wanted == "rad") return kDegPerRad;
-  if (wanted == "deg") return 1.0;
-  constexpr double kMostRad = 6.4;
-  if (columns.names_angles && most > kMostRad) {
-    log.unit_note = fmt::format(
-        "The names of the columns have no unit. Angles up to {:.4g} are read as degrees; for "
-        "another unit see --unit.",
-        most);
-    return 1.0;
-  }
-  log.unit_known = false;
-  log.unit_note = fmt::format(
-      "The unit of the angles is unknown: the names have none, and values up to {:.4g} may be "
-      "degrees, radians or a normalised position. If it is known, say --unit deg or --unit rad.",
-      most);
-  return 1.0;
+  return most;
 }
 
 /// Kinds of the commands, by the rows as they are: what is made of them at an even rate is no exact
 /// copy of anything.
-std::vector<CommandKind> KindsOf(const std::vector<Series>& series, std::size_t parts,
+std::vector<CommandKind> KindsOf(const std::vector<ColumnSeries>& series, std::size_t parts,
                                  double rate_hz) {
   std::vector<CommandKind> kinds;
   for (std::size_t i = 0; i < parts; ++i) {
-    const Series& command = series[i];
-    const Series& angle = series[parts + i];
+    const ColumnSeries& command = series[i];
+    const ColumnSeries& angle = series[parts + i];
     kinds.push_back(command.time_s == angle.time_s
                         ? FindCommandKind(command.value, angle.value, rate_hz)
                         : CommandKind::kTarget);
@@ -274,7 +63,7 @@ std::vector<CommandKind> KindsOf(const std::vector<Series>& series, std::size_t 
 /// The episode at an even rate. `log` has what all episodes share.
 /// Errors: UserError for fewer than two rows, a column without values, a long gap or uneven rows.
 ChainLog LogOf(const ChainColumns& columns, const std::vector<PartColumn>& parts, double scale,
-               const CsvReader& csv, ChainRows rows, ChainLog log) {
+               const CsvReader& csv, EpisodeRows rows, ChainLog log) {
   if (rows.steps_s.empty()) csv.FailInRow(1, 1, "the log has fewer than two rows");
   const double period_s = controller::MedianOf(rows.steps_s);
   double last_s = -std::numeric_limits<double>::infinity();
@@ -312,8 +101,7 @@ ChainLog LogOf(const ChainColumns& columns, const std::vector<PartColumn>& parts
     const Eigen::Index part = std::ranges::find(log.parts, parts[i].part) - log.parts.begin();
     Signal& signal = *signals[std::min<std::size_t>(i / log.parts.size(), 2)];
     const bool is_command = i < log.parts.size();
-    (is_command ? InterpolateCommand : InterpolateLine)(rows.series[i], rows.first_s, log.rate_hz,
-                                                        signal.col(part));
+    ToEvenRows(rows.series[i], is_command, rows.first_s, log.rate_hz, signal.col(part));
   }
   return log;
 }
@@ -321,27 +109,31 @@ ChainLog LogOf(const ChainColumns& columns, const std::vector<PartColumn>& parts
 }  // namespace
 
 ChainEpisodes LoadChainEpisodes(const std::filesystem::path& file, const ChainLogOptions& options) {
-  FoundTable table =
-      FindTable(file.string(), TableSource(file, options.array), ProblemHandling::kAllowMissing);
-  CsvReader& csv = table.reader;
-  const ChainColumns columns = FindChainColumns(table, options.map);
+  EpisodeReader reader(file, options);
+  const ChainColumns& columns = reader.columns();
+  const std::vector<PartColumn>& parts = reader.parts();
+  std::vector<EpisodeRows> episodes;
+  for (EpisodeRows rows; reader.Next(rows);) episodes.push_back(std::move(rows));
+  const UnitOfLog unit =
+      UnitOf(columns, MostWithoutUnit(parts, 2 * columns.commands.size(), episodes), options.unit);
   ChainLog shared;
   shared.name = OneLine(file.string());
   for (const PartColumn& command : columns.commands) shared.parts.push_back(command.part);
   shared.from_wearer = columns.is_trace;
   shared.columns_ignored = columns.ignored;
-  std::vector<PartColumn> parts = columns.commands;
-  parts.insert(parts.end(), columns.angles.begin(), columns.angles.end());
-  parts.insert(parts.end(), columns.motors.begin(), columns.motors.end());
-  std::vector<ChainRows> episodes = ReadRows(columns, parts, options.episode, csv);
-  const double scale = ScaleWithoutUnit(columns, parts, episodes, options.unit, shared);
+  shared.unit_known = unit.is_known;
+  shared.unit_note = unit.note;
+  for (const std::string& remark : reader.remarks()) {
+    shared.unit_note += (shared.unit_note.empty() ? "" : " ") + remark;
+  }
   ChainEpisodes result;
   const bool one = episodes.size() == 1;
   std::optional<UserError> first_error;
-  for (ChainRows& rows : episodes) {
+  for (EpisodeRows& rows : episodes) {
     const double number = rows.episode;
     try {
-      result.logs.push_back(LogOf(columns, parts, scale, csv, std::move(rows), shared));
+      result.logs.push_back(
+          LogOf(columns, parts, unit.scale, reader.csv(), std::move(rows), shared));
       if (!one || options.episode) result.logs.back().episode = static_cast<int>(number);
     } catch (const UserError& error) {
       result.left_out.push_back(fmt::format("episode {:g}: {}", number, error.problem()));

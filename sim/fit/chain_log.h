@@ -10,6 +10,7 @@
 #include "sim/base/signal.h"
 #include "sim/fit/chain_fit.h"
 #include "sim/fit/command_kind.h"
+#include "sim/fit/episode_rows.h"
 
 namespace gauntlet::sim {
 
@@ -33,13 +34,6 @@ struct ChainLog {
   std::string unit_note;   // how the unit is known, or that it is not; empty: from the names
 };
 
-struct ChainLogOptions {
-  std::string array = {};           // of a file with several, see ListArrays()
-  std::string map = {};             // column map with command, angle, motor; empty: by names
-  std::string unit = {};            // of columns whose names have none: deg or rad
-  std::optional<int> episode = {};  // the only one to read, of a log with several
-};
-
 /// The episodes of a file; a file without episodes has one.
 struct ChainEpisodes {
   std::vector<ChainLog> logs;         // at least one
@@ -51,8 +45,7 @@ struct ChainEpisodes {
 /// `NAME_motor_deg` (or `_rad`) with the angle of its motor: see FindChainColumns(). The CSV of a
 /// trace is also accepted: `true_angle_rad.NAME` and `hand_angle_rad.NAME`. Other columns are
 /// ignored. Times may be uneven: values are interpolated linearly at the median rate, commands in
-/// steps (see FindCommandClock() and StepsOf()) by the nearest row. An episode begins where a
-/// column `episode_index` changes, or where times begin anew.
+/// steps (see FindCommandClock() and StepsOf()) by the nearest row. Episodes as in EpisodeReader.
 /// Errors: UserError `file:row:column: ...`, also for a gap of more than 100 ms and ten rows in all
 /// episodes, and for a chosen episode that does not exist.
 ChainEpisodes LoadChainEpisodes(const std::filesystem::path& file,

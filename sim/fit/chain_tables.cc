@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <map>
 #include <utility>
 
 #include "sim/base/json.h"
+#include "sim/fit/audit.h"
 #include "sim/fit/fit_tables.h"
 
 namespace gauntlet::sim {
@@ -49,7 +51,8 @@ ResultTable DelayTable(const ChainLog& log, const std::vector<ChainFit>& fits,
                        const IdentifiedChain& chain) {
   const std::string unit = InUnitOf(log, "deg");
   ResultTable table{.columns = {ForPeople("part"), ForPeople("delay (95 % CI)", "ms"),
-                                ForPeople("horizon", "ms"), ForPeople("hysteresis", unit),
+                                ForPeople("horizon", "ms"), ForPeople("offset", unit),
+                                ForPeople("hysteresis", unit),
                                 ForPeople("residual", unit + " RMS")}};
   const auto fixed = [](double value, int digits) {
     return ResultCell::Text(FixedText(value, digits));
@@ -59,7 +62,7 @@ ResultTable DelayTable(const ChainLog& log, const std::vector<ChainFit>& fits,
     const bool is_known = fit.problem.empty() && fit.split_problem.empty();
     table.rows.push_back({ResultCell::Text(log.parts[i]), IntervalCell(fit.delay_ms, 1),
                           fixed(chain.horizon_ms.empty() ? kNaN : chain.horizon_ms[i], 1),
-                          fixed(fit.hysteresis_deg.value, 2),
+                          fixed(fit.offset_deg.value, 2), fixed(fit.hysteresis_deg.value, 2),
                           fixed(is_known ? fit.held_out_rms_deg : kNaN, 2)});
   }
   return table;
@@ -175,6 +178,30 @@ ResultText ChainText(const ChainResult& result) {
   return text;
 }
 
+std::string OffsetsText(const ChainResult& result) {
+  constexpr double kLeast_deg = 1.0;
+  constexpr double kLeastGain = 0.8;
+  constexpr double kMostGain = 1.25;
+  const ChainLog& log = result.log();
+  if (log.from_wearer) return "";
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < result.fits.size(); ++i) {
+    const ChainFit& fit = result.fits[i];
+    const double gain = fit.gain.value;
+    if (!fit.problem.empty() || !(kLeastGain < gain && gain < kMostGain)) continue;
+    const auto command = log.command_deg.col(static_cast<Eigen::Index>(i));
+    const double offset = log.angle_deg.col(static_cast<Eigen::Index>(i)).mean() - command.mean();
+    const double travel = command.maxCoeff() - command.minCoeff();
+    const double limit = std::max(kOffsetOfTravel * travel, log.unit_known ? kLeast_deg : 0.0);
+    if (std::abs(offset) <= limit) continue;
+    texts.push_back(log.unit_known ? fmt::format("{} {:.1f} deg", log.parts[i], offset)
+                                   : fmt::format("{} {:.3g} units", log.parts[i], offset));
+  }
+  if (texts.empty()) return "";
+  return fmt::format("Angles are beside their commands by more than {:g} % of the motion: {}.",
+                     100.0 * kOffsetOfTravel, FirstNames(std::move(texts)));
+}
+
 Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain,
                   const std::string& file) {
   const ChainLog& log = result.log();
@@ -208,16 +235,13 @@ Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain,
                            " without a delay: the delay depends on the size of the motion. The "
                            "mean of the others is written.");
   }
-  std::vector<std::string> failed;
-  std::string problem;
+  std::map<std::string, std::vector<std::string>> failed;  // by problem
   for (std::size_t i = 0; i < fits.size(); ++i) {
-    if (fits[i].problem.empty()) continue;
-    failed.push_back(log.parts[i]);
-    if (problem.empty()) problem = fits[i].problem;
+    if (!fits[i].problem.empty()) failed[fits[i].problem].push_back(log.parts[i]);
   }
-  if (!failed.empty()) {
+  for (const auto& [problem, parts] : failed) {
     verdict.AddWarning("failed",
-                       fmt::format("No result for {}: {}.{}", FirstNames(failed), problem,
+                       fmt::format("No result for {}: {}.{}", FirstNames(parts), problem,
                                    delays_ms.empty() ? "" : " The mean of the others is written."));
   }
   constexpr double kMostLeft = 0.25;  // of the motion
@@ -234,6 +258,7 @@ Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain,
                                    "left: the model explains little of it.",
                                    100.0 * left, FirstNames(strays)));
   }
+  verdict.AddWarning("offset", OffsetsText(result));
   verdict.AddWarning("unit", log.unit_note);
   return verdict;
 }

@@ -24,6 +24,7 @@ constexpr double kCopyResidual = 1e-6;  // of values that are not rounded, over 
 constexpr Index kLatestCopy = 5;
 
 struct LinearFit {
+  Index rows = 0;  // by which the angle is later
   double gain = 0.0;
   double residual_share = 1.0;  // RMS residual over the standard deviation of the fitted values
 };
@@ -38,7 +39,7 @@ LinearFit Fit(const VectorXd& x, const VectorXd& y, bool has_drift) {
   const double of_x = (x.array() - x.mean()).matrix().norm();
   if (!(spread > 0.0) || !(of_x > 0.0)) return {};
   const VectorXd solution = terms.colPivHouseholderQr().solve(y);
-  return {.gain = solution[0], .residual_share = (y - terms * solution).norm() / spread};
+  return {.rows = 0, .gain = solution[0], .residual_share = (y - terms * solution).norm() / spread};
 }
 
 /// `x` earlier by `rows` than `y`: the parts of both that overlap.
@@ -67,14 +68,41 @@ double StepOf(const VectorXd& values) {
   return step;
 }
 
+/// The next lag to try: the step grows with the lag, a tenth of it changes little.
+Index Later(Index rows) { return rows + std::max<Index>(1, rows / 10); }
+
 LinearFit Best(const VectorXd& x, const VectorXd& y, Index most_rows, bool has_drift) {
   LinearFit best;
-  // The step grows with the lag: a tenth of it changes little.
-  for (Index rows = 0; rows <= most_rows; rows += std::max<Index>(1, rows / 10)) {
-    const LinearFit fit = FitLate(x, y, rows, has_drift);
+  for (Index rows = 0; rows <= most_rows; rows = Later(rows)) {
+    LinearFit fit = FitLate(x, y, rows, has_drift);
+    fit.rows = rows;
     if (fit.residual_share < best.residual_share) best = fit;
   }
   return best;
+}
+
+/// Angle far from its start at a constant command of 1, by
+///
+///     a[n + 1] - a[n] = q c[n - k] - l a[n] + b
+///
+/// about 1 for a target, however slowly the angle follows; beyond all bounds for a sum.
+double SteadyGain(const VectorXd& c, const VectorXd& a, Index most_rows) {
+  double gain = 0.0, least = 0.0;
+  for (Index rows = 0; rows <= most_rows; rows = Later(rows)) {
+    const Index count = c.size() - rows - 1;
+    if (count < kFewestRows) break;
+    MatrixXd terms(count, 3);
+    terms.col(0) = c.head(count);
+    terms.col(1) = a.segment(rows, count);
+    terms.col(2).setOnes();
+    const VectorXd change = a.segment(rows + 1, count) - a.segment(rows, count);
+    const VectorXd solution = terms.colPivHouseholderQr().solve(change);
+    const double left = (change - terms * solution).norm() / std::sqrt(static_cast<double>(count));
+    if (rows > 0 && left >= least) continue;
+    least = left;
+    gain = solution[0] / -solution[1];
+  }
+  return gain;
 }
 
 }  // namespace
@@ -86,8 +114,10 @@ CommandKind FindCommandKind(std::span<const double> command, std::span<const dou
   const Eigen::Map<const VectorXd> a(angle.data(), std::ssize(angle));
   if (c.size() < kFewestRows) return CommandKind::kTarget;
   const double spread = Spread(a);
-  const double step_a = StepOf(a);
-  const double step_c = StepOf(c);
+  // The levels of a command in steps, and values about a place at rest, are no rounding.
+  constexpr double kLargestStep = 0.1;
+  const double step_a = std::min(StepOf(a), kLargestStep * spread);
+  const double step_c = std::min(StepOf(c), kLargestStep * Spread(c));
   const auto is_copy = [&](Index rows) {
     const LinearFit fit = FitLate(c, a, rows, false);
     const double step = std::max(step_a, std::abs(fit.gain) * step_c);
@@ -101,22 +131,56 @@ CommandKind FindCommandKind(std::span<const double> command, std::span<const dou
   if (is_copy(-1)) return CommandKind::kEarlierRow;
 
   constexpr double kLongestDelay_s = 3.0;
-  constexpr Index kLatestSum = 3;
-  constexpr double kGood = 0.3;    // residual share of a sum that is the angle
-  constexpr double kBetter = 0.5;  // than that of a target
-  constexpr double kNear = 1.5;    // factor of the gain
+  constexpr double kLatestSum_s = 1.5;
+  constexpr Index kLatestSum = 3;   // of an angle that a target explains, too
+  constexpr double kGood = 0.3;     // residual share of a sum that is the angle
+  constexpr double kBetter = 0.5;   // than that of a target
+  constexpr double kPoor = 0.2;     // residual share of a target that explains little
+  constexpr double kNear = 1.25;    // factor of the gain
+  constexpr double kFlatter = 1.8;  // the same of an angle far behind
   VectorXd sum = c;
   for (Index n = 1; n < sum.size(); ++n) sum[n] += sum[n - 1];
-  const LinearFit as_sum = Best(sum, a, kLatestSum, true);
-  if (as_sum.residual_share > kGood || as_sum.gain <= 0.0) return CommandKind::kTarget;
-  const auto most = std::min<Index>(c.size() / 4, std::lround(kLongestDelay_s * rate_hz));
-  const LinearFit as_target = Best(c, a, most, false);
-  const auto is_near = [&](double gain) {
-    return as_sum.gain < kNear * gain && gain < kNear * as_sum.gain;
+  const auto most = [&](double longest_s) {
+    return std::min<Index>(c.size() / 4, std::lround(longest_s * rate_hz));
   };
-  const bool is_better = as_sum.residual_share < kBetter * as_target.residual_share;
-  if (is_near(1.0 / rate_hz) && is_better) return CommandKind::kVelocity;
-  return is_better ? CommandKind::kSteps : CommandKind::kTarget;
+  const LinearFit as_target = Best(c, a, most(kLongestDelay_s), false);
+  const bool is_poor = as_target.residual_share > kPoor;
+  // Half a turn later, the sum of a motion that repeats is the motion.
+  const LinearFit as_sum =
+      Best(sum, a, is_poor ? std::max(kLatestSum, most(kLatestSum_s)) : kLatestSum, true);
+  if (as_sum.residual_share > kGood || as_sum.gain <= 0.0) return CommandKind::kTarget;
+  if (as_sum.residual_share > kBetter * as_target.residual_share) return CommandKind::kTarget;
+  const double steady = SteadyGain(c, a, kLatestSum + as_sum.rows + as_sum.rows / 5);
+  if (0.5 < steady && steady < 2.0) return CommandKind::kTarget;  // that is followed slowly
+  // A lag flattens what it delays.
+  const double flatter = as_sum.rows > kLatestSum ? kFlatter : kNear;
+  const auto is_near = [&](double gain) {
+    return as_sum.gain < kNear * gain && gain < flatter * as_sum.gain;
+  };
+  if (is_near(1.0)) return CommandKind::kSteps;
+  return is_near(1.0 / rate_hz) ? CommandKind::kVelocity : CommandKind::kChanges;
+}
+
+const char* NameOf(CommandKind kind) {
+  switch (kind) {
+    case CommandKind::kTarget:
+      return "target";
+    case CommandKind::kCopy:
+      return "copy";
+    case CommandKind::kNextRow:
+      return "next_row";
+    case CommandKind::kLaterRow:
+      return "later_row";
+    case CommandKind::kEarlierRow:
+      return "earlier_row";
+    case CommandKind::kSteps:
+      return "steps";
+    case CommandKind::kVelocity:
+      return "velocity";
+    case CommandKind::kChanges:
+      return "changes";
+  }
+  return "";
 }
 
 std::string ProblemOf(CommandKind kind, double rate_hz) {
@@ -138,6 +202,10 @@ std::string ProblemOf(CommandKind kind, double rate_hz) {
     case CommandKind::kVelocity:
       return "its commands are speeds of the angle, which give no delay as positions: sum them "
              "over the time";
+    case CommandKind::kChanges:
+      return "its commands go with the speed of its angle, and give no delay as positions: they "
+             "are "
+             "steps in another scale, or differences to the angle";
   }
   return "";
 }

@@ -14,18 +14,23 @@ enum class CommandKind {
   kEarlierRow,  // the angle of the row before
   kSteps,       // changes of the angle from row to row
   kVelocity,    // speed of the angle
+  kChanges,     // steps in another scale, or differences to the angle
 };
 
 /// Finds what a command is from how it fits the angle:
 ///
 ///     copy            c[n] = g a[n + k] + b,  k = -1..5, but for the rounding of both
-///     steps, velocity a[n] = g sum(c[0..n - k]) + b + d n,  k = 0..3; better than any
-///                     a[n] = g c[n - k] + b,  k up to 3 s;  g about 1: steps, 1 / rate: velocity
+///     steps, velocity a[n] = g sum(c[0..n - k]) + b + d n,  k up to 1.5 s; better than any
+///                     a[n] = g c[n - k] + b,  k up to 3 s;  g about 1: steps, 1 / rate: velocity,
+///                     else changes
 ///
 /// A hand that follows its target exactly, one row later, looks like a copy of the next row.
 /// Shapes: equal length, finite, at `rate_hz`. Units: any that both share.
 CommandKind FindCommandKind(std::span<const double> command, std::span<const double> angle,
                             double rate_hz);
+
+/// A word for a kind, as files have it.
+const char* NameOf(CommandKind kind);
 
 /// A sentence about a command that is no target, and what to do; empty for a target.
 std::string ProblemOf(CommandKind kind, double rate_hz);

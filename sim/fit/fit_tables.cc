@@ -8,7 +8,12 @@
 namespace gauntlet::sim {
 
 std::string FixedText(double value, int digits) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
+  if (!std::isfinite(value)) return "-";
+  std::string text = fmt::format("{:.{}f}", value, digits);
+  // No minus before a zero.
+  return text.find_first_of("123456789") == std::string::npos && text.front() == '-'
+             ? text.substr(1)
+             : text;
 }
 
 std::string RangeText(const std::vector<double>& values, int digits) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sim/base/json.h"
+#include "sim/fit/chain_tables.h"
 #include "sim/fit/fit_tables.h"
 #include "sim/fit/validation.h"
 
@@ -100,6 +101,7 @@ Verdict VerdictOf(const Validation& validation) {
     verdict.AddWarning("not_simulated",
                        fmt::format("Not simulated: {} ({}).", Listed(std::move(parts)), problem));
   }
+  verdict.AddWarning("offset", OffsetsText(validation.identified));
   verdict.AddWarning("unit", validation.identified.log().unit_note);
   return verdict;
 }

@@ -106,6 +106,11 @@ void CsvReader::Problem(RecordingProblem problem, std::size_t column, const std:
   if (listener_) listener_(problem, row_);
 }
 
+double CsvReader::share_read() const {
+  if (!table_ || table_->rows == 0) return controller::kNaN;
+  return static_cast<double>(rows_read_) / static_cast<double>(table_->rows);
+}
+
 std::string CsvReader::Quoted(std::string_view cell) const {
   constexpr std::size_t kLongest = 30;
   const bool has_letters =

@@ -79,6 +79,8 @@ class CsvReader {
   double Number(std::string_view cell, std::size_t column);
   /// Line of the row that NextRow() gave last, from 1.
   std::size_t row() const { return row_; }
+  /// Share of a Table's rows that were read; NaN for a text, whose length is not known.
+  double share_read() const;
   /// Line of the first row of data.
   std::size_t first_row() const { return first_row_line_; }
   const std::string& name() const { return name_; }

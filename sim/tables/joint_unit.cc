@@ -21,6 +21,7 @@ constexpr std::string_view kWheelWords = "wheel wheels caster steer continuous";
 /// `finger_joint1` is a jaw of a gripper; joints of a hand are called `index_finger_joint`,
 /// `finger1_joint2` or `finger_spread`.
 bool IsJaw(const std::vector<std::string>& words) {
+  if (HasWordOf(words, "shoulder")) return false;  // shoulder_lift turns
   if (HasWordOf(words, kSlideWords)) return true;
   for (const std::string& word : words) {
     if (!FingerOf(word).empty()) return false;

@@ -84,7 +84,7 @@ class Errors(Test):
 
     def test_of_files_name_the_file(self):
         pathlib.Path("empty.csv").write_text("")
-        for call in (gauntlet.inspect, gauntlet.identify):
+        for call in (gauntlet.inspect, gauntlet.identify, gauntlet.audit):
             with self.subTest(call.__name__):
                 self.assertIn("empty.csv", str(self.mistake(call, "empty.csv")))
                 self.assertIn("missing.csv", str(self.mistake(call, "missing.csv")))

@@ -153,6 +153,10 @@ class Studies(Test):
         self.assertEqual({**ours, "verdict": None}, {**theirs, "verdict": None})
         self.assertTrue(pathlib.Path("chain.yaml").read_text().endswith(result.chain_yaml))
         self.assertIn("dead_time_ms", result.chain_yaml)
+        audited = gauntlet.audit("log.csv")
+        self.assertEqual(audited.data, json.loads(program("audit", "log.csv", "--json")[0]))
+        self.assertEqual(str(audited), program("audit", "log.csv")[0])
+        self.assertIn("Largest errors", audited.page)
         recording = SOURCE / "scenarios/recordings/sign_glove/letters_v_h_r.csv"
         self.assertEqual(gauntlet.inspect(recording).data, json.loads(program("inspect", recording, "--json")[0]))
         gauntlet.run("hold_still", set=SHORT, controllers=["raw"], causes="none", out="out", mcap=True)

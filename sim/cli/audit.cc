@@ -1,0 +1,107 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <string>
+
+#include "sim/base/output_file.h"
+#include "sim/cli/commands.h"
+#include "sim/cli/progress.h"
+#include "sim/cli/shared_options.h"
+#include "sim/cli/standard_streams.h"
+#include "sim/fit/audit_tables.h"
+#include "sim/show/pages/audit_page.h"
+
+namespace gauntlet::sim {
+namespace {
+
+struct AuditOptions {
+  static constexpr auto kName = "audit";
+  static constexpr auto kPurpose = "Check commands, delays, offsets of a data set";
+  static constexpr auto kGroup = Group::kMeasure;
+  std::string log;
+  std::string array;
+  std::string command;  // topics
+  std::string state;
+  std::string map;
+  std::string unit;
+  int episode = -1;  // below 0: all
+  std::string out;
+  bool json = false;
+  bool verbose = false;
+  TerminalOptions terminal;
+
+  Options Rows() {
+    return {
+        Argument("log", &log, Offer::kFiles,
+                 "LeRobot folder or table with a command and a measured angle for each joint or "
+                 "motor, as for identify"),
+        OutOption(out, "page to write [none]", "FILE.html"),
+        ArrayOptions(array),
+        TopicPairOptions(command, state),
+        Option("--map", &map, {.value = "FILE.csv", .offer = Offer::kFiles},
+               "column map: columns with the channels command and angle, their joint in the key "
+               "joint [by names]"),
+        Option("--unit", &unit, {.value = "UNIT", .choices = {"deg", "rad"}},
+               "unit of the angles, if the names of the columns have none"),
+        Option("--episode", &episode, {.value = "N"}, "audit one episode [all]"),
+        Option("--json", &json, {}, "print JSON instead of the table, with all episodes"),
+        VerboseOption(verbose, "also print all parts, all faults and ignored columns"),
+        terminal.Rows(),
+    };
+  }
+
+  static constexpr auto kNotes = R"(
+For each part, audit reports:
+- The kind of its commands: targets; copies of the angle in the same or another
+  row; steps or speeds of the angle; the command of another part; unrelated.
+  Only targets have a delay.
+- The delay of the angle with a 95 % confidence interval, and whether it drifts
+  or varies.
+- The offset: median of the angle less the delayed command. Above 5 % of the
+  motion it counts: a policy that learns from angles and acts by commands is
+  wrong by as much.
+- The gain, the error at rest and the residual (--verbose).
+- Faults: clipped commands, an angle that stops or stands still, jumps by a
+  full turn, motion that the command does not explain.
+
+Of the data set it reports angles that are older than their rows, repeated rows, gaps and two
+senders. An episode above 20 s is cut into stretches of 10 s, episodes below 5 s are used together.
+Bags of ROS have command and state in two topics: see --command and --state.
+For lag, hysteresis and the servo of a single hand see gauntlet identify.
+
+Example:
+  gauntlet audit DATASET
+  gauntlet audit DATASET --unit deg --out audit.html
+  gauntlet audit bag.mcap --command /joint_commands --state /joint_states
+  gauntlet audit log.csv --json
+)";
+};
+
+void RunAudit(const AuditOptions& options) {
+  const std::filesystem::path page = options.out;
+  if (!page.empty()) RefuseInput(page);
+  Progress bar("gauntlet audit");
+  const Audit audit =
+      AuditLog(options.log,
+               {.array = options.array,
+                .map = options.map,
+                .unit = options.unit,
+                .episode = options.episode < 0 ? std::nullopt : std::optional(options.episode),
+                .command = options.command,
+                .state = options.state},
+               [&](double share) { bar.Update(share, 1.0); });
+  if (!page.empty()) {
+    MakeDirectoryOf(page);
+    WriteOutputFile(page, AuditPage(audit));
+  }
+  PrintText(options.json ? AuditJson(audit)
+                         : TextOf(AuditText(audit, options.verbose), StyleOf(options.terminal)));
+  FlushOutput();
+  if (!page.empty()) Say("wrote {}\n", page.string());
+}
+
+}  // namespace
+
+Command MakeAuditCommand() { return MakeCommand(RunAudit); }
+
+}  // namespace gauntlet::sim

@@ -1,0 +1,159 @@
+#include "sim/show/pages/audit_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/fit/audit_tables.h"
+#include "sim/results/html_text.h"
+#include "sim/show/figure/panel.h"
+#include "sim/show/pages/cells_chart.h"
+#include "sim/show/pages/cells_page.h"
+#include "sim/show/pages/plain_page.h"
+#include "sim/show/pages/svg_chart.h"
+
+namespace gauntlet::sim {
+namespace {
+
+constexpr std::size_t kMostColumns = 40;  // of a heat map
+constexpr double kLongestShown_s = 10.0;
+
+/// The delay of each part that has one: interval, and the range over stretches behind it.
+std::string DelaySvg(const Audit& audit) {
+  constexpr double kEach = 26.0, kFirst = 14.0, kLeft = 150.0, kHalfBar = 7.0;
+  std::vector<const AuditedPart*> parts;
+  Extent range;
+  range.Include(0.0);
+  for (const AuditedPart& part : audit.parts) {
+    if (!part.is_target()) continue;
+    parts.push_back(&part);
+    range.Include(part.delay_low_ms);
+    range.Include(part.delay_high_ms);
+    range.Include(part.delay_ms.high);
+  }
+  if (parts.empty()) return "";
+  range.high += 0.06 * (range.high - range.low);
+  const double bottom = kFirst + kEach * static_cast<double>(parts.size());
+  Figure figure{640.0, bottom + kFigureLayout.bottom, "figure", "Delay of each part"};
+  const FigureBox area = {kLeft, kFirst - 6.0, figure.width_px - 14.0, bottom};
+  const Panel panel(area, {range, "delay [ms]", 6, true}, {});
+  panel.AddAxes(figure);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const AuditedPart& part = *parts[i];
+    const double y = kFirst + kEach * (static_cast<double>(i) + 0.5);
+    const std::string said = fmt::format("{}: {:.1f} ms", part.name, part.delay_ms.value);
+    figure.Text({kLeft - kFigureLayout.tick_gap, y + kFigureLayout.baseline}, Anchor::kEnd,
+                FittedText(part.name, kLeft - 2.0 * kFigureLayout.tick_gap), {"name"});
+    figure.Box({panel.X(part.delay_low_ms), y - kHalfBar},
+               {panel.X(part.delay_high_ms), y + kHalfBar}, {.css = "band", .said = said}, 3.0);
+    figure.Line({panel.X(part.delay_ms.low), y}, {panel.X(part.delay_ms.high), y},
+                {.attributes = " style=\"stroke: var(--accent); stroke-width: 2\""});
+    figure.Dot({panel.X(part.delay_ms.value), y}, 4.5,
+               {.said = said, .attributes = " fill=\"var(--accent)\""});
+  }
+  return SvgOf(figure);
+}
+
+/// A value of each part and episode; of many episodes, the largest of some that follow each other.
+std::string EpisodesSvg(const Audit& audit, double AuditedEpisode::*value,
+                        const std::string& name) {
+  const std::size_t count = audit.episodes.size();
+  const std::size_t each = (count + kMostColumns - 1) / kMostColumns;
+  HeatMap map{.x_name = each == 1 ? "episode" : fmt::format("episode, {} in a column", each),
+              .y_name = "part",
+              .score = name,
+              .x_labels = {},
+              .y_labels = {},
+              .best = {},
+              .points = {}};
+  for (std::size_t e = 0; e < count; e += each) {
+    map.x_labels.push_back(fmt::format("{:g}", audit.episodes[e]));
+  }
+  for (auto part = audit.parts.rbegin(); part != audit.parts.rend(); ++part) {
+    if (!part->is_target()) continue;
+    map.y_labels.push_back(part->name);
+    for (std::size_t e = 0; e < count; e += each) {
+      double most = kNaN;
+      for (std::size_t i = e; i < std::min(e + each, count); ++i) {
+        const double one = std::abs(part->episodes[i].*value);
+        if (!(one <= most)) most = std::isnan(one) ? most : one;
+      }
+      map.best.push_back(most);
+      map.points.push_back(kNoPoint);
+    }
+  }
+  return map.y_labels.empty() ? "" : HeatMapSvg(map);
+}
+
+std::string FigureOf(const Audit& audit, const AuditedPart& part) {
+  const FollowRows& rows = part.worst;
+  if (rows.command.size() == 0) return "";
+  const Eigen::Index count = std::min<Eigen::Index>(
+      rows.command.size(), std::lround(kLongestShown_s * part.worst_rate_hz) + 1);
+  const auto curve = [&](const std::string& name, const Eigen::VectorXd& values) {
+    return ChartCurve{.name = name,
+                      .step_x = 1.0 / part.worst_rate_hz,
+                      .values = {values.data(), values.data() + count}};
+  };
+  Chart chart{.title = part.name,
+              .x_label = "time [s]",
+              .y_label = fmt::format("angle [{}]", audit.unit),
+              .bars = {},
+              .curves = {curve("command", rows.command), curve("measured", rows.angle)}};
+  chart.curves.front().is_command = true;
+  std::string caption = part.is_target() ? fmt::format("Delay {:.1f} ms, offset {:.2f} {}.",
+                                                       part.delay_ms.value, part.offset, audit.unit)
+                                         : part.kind_text + ".";
+  if (audit.episodes.size() > 1)
+    caption = fmt::format("Episode {:g}. ", part.worst_episode) + caption;
+  for (const AuditFault& fault : part.faults) caption += " It " + fault.text + ".";
+  return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", SvgChart(chart),
+                     EscapeHtml(caption));
+}
+
+}  // namespace
+
+std::string AuditPage(const Audit& audit) {
+  std::string verdict;
+  for (const std::string& sentence : VerdictOf(audit, "below").Answer()) verdict += sentence + " ";
+  std::string sections;
+  if (const std::string delays = DelaySvg(audit); !delays.empty()) {
+    sections += PageSection("delays", "Delay",
+                            "Dot and line: mean and its 95 % confidence interval. Band: from the "
+                            "5th to the 95th percentile over the data set.",
+                            "<div class=\"pair\">" + delays + "</div>");
+  }
+  if (audit.episodes.size() > 1) {
+    for (const auto& [id, title, value] :
+         {std::tuple("offsets", "Offset", &AuditedEpisode::offset),
+          std::tuple("delays-of-episodes", "Delay by episode", &AuditedEpisode::delay_ms)}) {
+      const std::string unit = value == &AuditedEpisode::offset ? audit.unit : "ms";
+      const std::string map = EpisodesSvg(audit, value, fmt::format("{} [{}]", title, unit));
+      if (map.empty()) continue;
+      sections += PageSection(
+          id, title,
+          value == &AuditedEpisode::offset
+              ? fmt::format("Size of the median of the angle less the delayed command [{}].", unit)
+              : "Delay of the angle in each episode [ms].",
+          ScrolledDrawing(map, title));
+    }
+  }
+  std::string figures;
+  for (const AuditedPart& part : audit.parts) figures += FigureOf(audit, part);
+  sections += PageSection("parts", "Largest errors",
+                          "The stretch in which each angle is farthest from its command.",
+                          "<div class=\"pair\">" + figures + "</div>");
+  return PlainPage(
+      {.kind = "Gauntlet audit",
+       .title = audit.name,
+       .question = "What are the commands, and how large are delay and offset of each part?",
+       .verdict = verdict,
+       .facts = fmt::format("{} part{} · {}", audit.parts.size(),
+                            audit.parts.size() == 1 ? "" : "s", ExtentText(audit)),
+       .heading = "Result",
+       .table = HtmlOf(AuditFindings(audit)),
+       .sections = sections});
+}
+
+}  // namespace gauntlet::sim

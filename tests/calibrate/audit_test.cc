@@ -1,0 +1,318 @@
+#include "sim/fit/audit.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/fit/audit_tables.h"
+#include "sim/tables/mcap_writer.h"
+#include "tests/calibrate/simulated_log.h"
+#include "tests/support/program.h"
+
+namespace gauntlet::sim {
+namespace {
+
+using namespace simulated_log;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr double kRate_hz = 30.0;
+
+/// A follower of the second order behind a dead time: another model than a pure shift.
+Values SecondOrder(const Values& target, double dead_s, double frequency_hz) {
+  const double omega = 2.0 * kPi * frequency_hz;
+  constexpr double kDamping = 0.8;
+  const auto dead = static_cast<std::size_t>(dead_s * kFine_hz);
+  double angle = target.front(), speed = 0.0;
+  Values answer;
+  for (std::size_t n = 0; n < target.size(); ++n) {
+    const double to = target[n < dead ? 0 : n - dead];
+    speed += (omega * omega * (to - angle) - 2.0 * kDamping * omega * speed) / kFine_hz;
+    angle += speed / kFine_hz;
+    answer.push_back(angle);
+  }
+  return answer;
+}
+
+/// Command and angle of a part in one episode.
+struct Pair {
+  Values command, angle;
+};
+
+class AuditTest : public testing::Test {
+ protected:
+  /// A motion and the answer to it, in rows of 30 Hz.
+  Pair Follow(double seconds, double dead_s = 0.06, double frequency_hz = 6.0, double noise = 0.1,
+              double rate_hz = kRate_hz) {
+    Values target = Reaches(seconds, random_);
+    target.resize(static_cast<std::size_t>(seconds * kFine_hz));
+    return {
+        Thinned(target, rate_hz),
+        Measured(Thinned(SecondOrder(target, dead_s, frequency_hz), rate_hz), noise, 0.0, random_)};
+  }
+
+  /// Writes parts x episodes; names are p0, p1, ...
+  std::filesystem::path Write(const std::vector<std::vector<Pair>>& parts,
+                              double rate_hz = kRate_hz) {
+    const std::filesystem::path file = folder_.path() / "log.csv";
+    std::ofstream out(file);
+    out << "episode_index,t_s";
+    for (const char* end : {"_command_deg", "_deg"}) {
+      for (std::size_t i = 0; i < parts.size(); ++i) out << ",p" << i << end;
+    }
+    out << "\n";
+    for (std::size_t e = 0; e < parts.front().size(); ++e) {
+      for (std::size_t n = 0; n < parts.front()[e].command.size(); ++n) {
+        out << fmt::format("{},{:.9g}", e, static_cast<double>(n) / rate_hz);
+        for (const auto& part : parts) out << fmt::format(",{:.10g}", part[e].command[n]);
+        for (const auto& part : parts) out << fmt::format(",{:.10g}", part[e].angle[n]);
+        out << "\n";
+      }
+    }
+    return file;
+  }
+
+  std::vector<Pair> Episodes(int count, double seconds, double dead_s = 0.06) {
+    std::vector<Pair> episodes;
+    for (int e = 0; e < count; ++e) episodes.push_back(Follow(seconds, dead_s));
+    return episodes;
+  }
+
+  static std::vector<std::string> KeysOf(const std::vector<AuditFault>& faults) {
+    std::vector<std::string> keys;
+    for (const AuditFault& fault : faults) keys.push_back(fault.key);
+    return keys;
+  }
+
+  std::mt19937 random_{11};
+  test::TemporaryDirectory folder_;
+};
+
+TEST_F(AuditTest, NamesTheKindOfCommands) {
+  std::vector<std::vector<Pair>> parts(9);
+  for (int e = 0; e < 6; ++e) {
+    std::vector<Pair> pairs;
+    for (int i = 0; i < 10; ++i) pairs.push_back(Follow(12.0));
+    parts[0].push_back(pairs[0]);
+    parts[1].push_back({pairs[1].angle, pairs[1].angle});
+    parts[2].push_back({Later(pairs[2].angle, 1), pairs[2].angle});
+    parts[3].push_back({Changes(pairs[3].command, 0), pairs[3].angle});
+    parts[4].push_back({Scaled(Changes(pairs[4].command, 0), kRate_hz, 0.0), pairs[4].angle});
+    parts[5].push_back({pairs[5].command, Scaled(pairs[0].angle, 1.0, 5.0)});
+    parts[6].push_back({pairs[6].command, pairs[9].angle});
+    parts[7].push_back({pairs[7].command, Scaled(pairs[7].angle, -1.0, 0.0)});
+    parts[8].push_back({Values(pairs[8].command.size(), 3.0), pairs[8].angle});
+  }
+  const Audit audit = AuditLog(Write(parts), {});
+  std::vector<std::string> kinds;
+  for (const AuditedPart& part : audit.parts) kinds.push_back(part.kind);
+  EXPECT_THAT(kinds, ElementsAre("target", "copy", "next_row", "steps", "velocity", "other_part",
+                                 "unrelated", "opposite", "still"));
+  for (const AuditedPart& part : audit.parts) {
+    EXPECT_EQ(std::isfinite(part.delay_ms.value), part.is_target()) << part.name;
+  }
+  EXPECT_THAT(audit.parts[5].kind_text, HasSubstr("follows the command of p0"));
+  EXPECT_THAT(VerdictOf(audit).Text(), HasSubstr("Fix first: "));
+}
+
+TEST_F(AuditTest, RefusesCopiesAsTargets) {
+  std::vector<Pair> copies = Episodes(4, 8.0);
+  for (Pair& pair : copies) pair.command = pair.angle;
+  const Audit audit = AuditLog(Write({copies}), {});
+  EXPECT_EQ(VerdictOf(audit).recommended, "unusable");
+  EXPECT_THAT(VerdictOf(audit).Text(), HasSubstr("copies of the angles"));
+  // In some episodes alone.
+  std::vector<Pair> some = Episodes(12, 8.0);
+  for (const std::size_t e : {2U, 5U, 7U}) some[e].command = some[e].angle;
+  const Audit mixed = AuditLog(Write({some}), {});
+  EXPECT_EQ(mixed.parts[0].kind, "mixed");
+  EXPECT_THAT(mixed.parts[0].kind_text, HasSubstr("in 3 of 12 episodes (2, 5, 7)"));
+}
+
+/// Levels of steps are no rounding, and a part at rest is no copy of its command.
+TEST_F(AuditTest, TakesStepsAndRestForTargets) {
+  Pair steps, rest;
+  std::normal_distribution<double> gauss(0.0, 0.04);
+  Values target;
+  for (int n = 0; n < 60000; ++n) target.push_back((n / 2000) % 2 == 0 ? 20.0 : 90.0);
+  steps.command = Thinned(target, 20.0);
+  steps.angle = Rounded(Thinned(SecondOrder(target, 0.02, 4.0), 20.0), 1.0);
+  for (std::size_t n = 0; n < steps.command.size(); ++n) {
+    rest.command.push_back(0.088 * std::round((10.0 + gauss(random_)) / 0.088));
+    rest.angle.push_back(0.088 * std::round((10.0 + gauss(random_)) / 0.088));
+  }
+  const Audit audit = AuditLog(Write({{steps}, {rest}}, 20.0), {});
+  EXPECT_EQ(audit.parts[0].kind, "target");
+  EXPECT_GT(audit.parts[0].delay_ms.value, 30.0);
+  EXPECT_LT(audit.parts[0].delay_ms.value, 130.0);
+  EXPECT_EQ(audit.parts[1].kind, "unrelated");
+}
+
+TEST_F(AuditTest, FindsOneFaultPerPart) {
+  std::vector<std::vector<Pair>> parts(7);
+  for (int e = 0; e < 24; ++e) {
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      Pair pair = Follow(8.0, p == 2 ? 0.03 + 0.05 * e / 24.0 : 0.06);
+      if (p == 1 && (e == 3 || e == 7 || e == 9 || e == 12)) {
+        pair.angle = Scaled(pair.angle, 1.0, 17.0);
+      }
+      if (p == 3 && e == 7) std::fill_n(pair.angle.begin() + 60, 60, pair.angle[60]);
+      if (p == 4) {
+        for (double& value : pair.command) value = std::clamp(value, -100.0, 15.0);
+      }
+      if (p == 5) {
+        for (Values* values : {&pair.command, &pair.angle}) {
+          for (double& value : *values) value -= 360.0 * std::floor(value / 360.0);
+        }
+      }
+      if (p == 6) pair.angle = Scaled(pair.angle, 0.5, 0.0);
+      parts[p].push_back(std::move(pair));
+    }
+  }
+  const Audit audit = AuditLog(Write(parts), {});
+  std::vector<std::string> faults;
+  for (const AuditedPart& part : audit.parts) {
+    EXPECT_EQ(part.kind, "target") << part.name;
+    faults.push_back(fmt::format("{}", fmt::join(KeysOf(part.faults), " ")));
+  }
+  EXPECT_THAT(faults, ElementsAre("", "offset", "delay_varies", "stands_still", "clipped", "wraps",
+                                  "gain"));
+  EXPECT_EQ(audit.parts[1].faults[0].text, "is 17.0 deg off in 4 of 24 episodes (3, 7, 9, 12)");
+  EXPECT_THAT(audit.parts[2].faults[0].text, HasSubstr("drifts from"));
+  EXPECT_THAT(audit.parts[2].faults[0].text, HasSubstr("over the data set"));
+  EXPECT_THAT(audit.parts[3].faults[0].text, HasSubstr("up to 2.0 s"));
+  EXPECT_THAT(audit.parts[3].faults[0].text, HasSubstr("in 1 of 24 episodes (7)"));
+  EXPECT_THAT(audit.parts[4].faults[0].text, HasSubstr("clipped at 15 deg"));
+  EXPECT_NEAR(audit.parts[6].gain.value, 0.5, 0.02);
+  EXPECT_NEAR(audit.parts[1].offset, 0.0, 0.1);  // of most episodes
+  EXPECT_NEAR(audit.parts[1].episodes[7].offset, 17.0, 0.1);
+  EXPECT_TRUE(audit.faults.empty());
+  const std::string text = TextOf(AuditText(audit, false), TerminalStyle());
+  EXPECT_LE(std::ranges::count(text, '\n'), 25);
+}
+
+TEST_F(AuditTest, HasNoFaultInSoundData) {
+  for (int repetition = 0; repetition < 10; ++repetition) {
+    const Audit audit =
+        AuditLog(Write({Episodes(6, 12.0), Episodes(6, 12.0, 0.15), Episodes(6, 12.0, 0.3)}), {});
+    EXPECT_EQ(VerdictOf(audit).recommended, "fit") << VerdictOf(audit).Text();
+  }
+}
+
+TEST_F(AuditTest, UsesShortEpisodesTogether) {
+  const Audit audit = AuditLog(Write({Episodes(20, 2.0)}), {});
+  EXPECT_EQ(audit.parts[0].kind, "target");
+  EXPECT_EQ(audit.episodes.size(), 20U);
+  const double whole = AuditLog(Write({Episodes(4, 60.0)}), {}).parts[0].delay_ms.value;
+  EXPECT_NEAR(audit.parts[0].delay_ms.value, whole, 4.0);
+}
+
+/// The truth is the delay of very long logs of the same model, which the interval's log is no part
+/// of. Wrong: an interval that does not see how the delay differs between motions.
+TEST_F(AuditTest, IntervalsHoldTheDelayOfOtherLogs) {
+  int inside = 0, all = 0;
+  for (const auto& [dead_s, frequency_hz] : {std::pair(0.02, 8.0), {0.12, 3.0}, {0.3, 1.5}}) {
+    for (const double noise : {0.02, 0.5}) {
+      std::vector<Pair> longest = {Follow(900.0, dead_s, frequency_hz, 0.02)};
+      const double truth = AuditLog(Write({longest}), {}).parts[0].delay_ms.value;
+      for (const auto& [episodes, seconds] : {std::pair(1, 30.0), {6, 12.0}, {12, 3.0}}) {
+        std::vector<std::vector<Pair>> parts(20);
+        for (auto& part : parts) {
+          for (int e = 0; e < episodes; ++e) {
+            part.push_back(Follow(seconds, dead_s, frequency_hz, noise));
+          }
+        }
+        for (const AuditedPart& part : AuditLog(Write(parts), {}).parts) {
+          ++all;
+          inside += part.delay_ms.low <= truth && truth <= part.delay_ms.high ? 1 : 0;
+          EXPECT_LT(part.delay_ms.high - part.delay_ms.low, 0.5 * truth + 20.0);
+        }
+      }
+    }
+  }
+  EXPECT_GE(inside, 0.93 * all) << inside << " of " << all;
+}
+
+TEST_F(AuditTest, SeesRowsOfTheWholeDataSet) {
+  // Angles that are read at every third row.
+  std::vector<Pair> held = Episodes(4, 12.0);
+  for (Pair& pair : held) {
+    for (std::size_t n = 0; n < pair.angle.size(); ++n) pair.angle[n] = pair.angle[n - n % 3];
+  }
+  const Audit audit = AuditLog(Write({held}), {});
+  ASSERT_THAT(KeysOf(audit.faults), ElementsAre("state_is_held"));
+  EXPECT_THAT(audit.faults[0].text, HasSubstr("every 3 rows only (10 Hz)"));
+  EXPECT_THAT(audit.faults[0].text, HasSubstr("0 to 67 ms older"));
+  // Rows that repeat the row before.
+  std::vector<Pair> repeated = Episodes(4, 12.0);
+  for (Pair& pair : repeated) {
+    for (std::size_t n = 20; n < pair.angle.size(); n += 20) {
+      pair.angle[n] = pair.angle[n - 1];
+      pair.command[n] = pair.command[n - 1];
+    }
+  }
+  EXPECT_THAT(KeysOf(AuditLog(Write({repeated}), {}).faults), ElementsAre("repeated_rows"));
+}
+
+/// Commands and states of ROS, each with its own clock and order of joints.
+TEST_F(AuditTest, PairsTwoTopics) {
+  const Pair thumb = Follow(30.0, 0.06, 6.0, 0.1, 100.0),
+             index = Follow(30.0, 0.1, 6.0, 0.1, 100.0);
+  const std::filesystem::path file = folder_.path() / "bag.mcap";
+  std::ofstream out(file, std::ios::binary);
+  McapWriter mcap([&](std::string_view bytes) { out << bytes; });
+  const std::string definition =
+      "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\n"
+      "float64[] effort\n";
+  const auto commands = mcap.AddTopic("/joint_commands", "sensor_msgs/msg/JointState", definition);
+  const auto states = mcap.AddTopic("/joint_states", "sensor_msgs/msg/JointState", definition);
+  const auto add = [&](std::uint16_t topic, std::int64_t ns, const std::vector<std::string>& names,
+                       const std::vector<double>& values_deg) {
+    std::vector<double> values_rad;
+    for (const double value : values_deg) values_rad.push_back(value * kRadPerDeg);
+    CdrWriter message;
+    message.Time(ns);
+    message.Text("");
+    message.Texts(names);
+    message.Numbers(values_rad);
+    message.Numbers({});
+    message.Numbers({});
+    mcap.AddMessage(topic, ns, message.message());
+  };
+  constexpr std::int64_t kStart_ns = 1'700'000'000'000'000'000;
+  for (std::size_t n = 0; n < thumb.command.size(); ++n) {
+    const auto ns = kStart_ns + static_cast<std::int64_t>(n) * 10'000'000;
+    if (n % 2 == 0) {  // at half the rate, 3 ms behind the states
+      add(commands, ns + 3'000'000, {"index", "thumb"}, {index.command[n], thumb.command[n]});
+    }
+    add(states, ns, {"thumb", "index", "wrist"}, {thumb.angle[n], index.angle[n], 0.0});
+  }
+  mcap.Finish();
+  out.close();
+  const Audit audit = AuditLog(file, {});
+  ASSERT_EQ(audit.parts.size(), 2U);
+  EXPECT_EQ(audit.unit, "deg");
+  EXPECT_THAT(audit.ignored, ElementsAre("wrist"));
+  const double thumb_ms = AuditLog(Write({{thumb}}, 100.0), {}).parts[0].delay_ms.value;
+  const double index_ms = AuditLog(Write({{index}}, 100.0), {}).parts[0].delay_ms.value;
+  EXPECT_EQ(audit.parts[0].name, "thumb");
+  EXPECT_NEAR(audit.parts[0].delay_ms.value, thumb_ms - 3.0, 1.0);
+  EXPECT_NEAR(audit.parts[1].delay_ms.value, index_ms - 3.0, 1.0);
+  const Audit given = AuditLog(file, {.command = "/joint_commands", .state = "/joint_states"});
+  EXPECT_EQ(given.parts[0].delay_ms.value, audit.parts[0].delay_ms.value);
+  EXPECT_THROW(AuditLog(file, {.command = "/joint_states"}), UserError);
+  EXPECT_THROW(AuditLog(Write({{thumb}}, 100.0), {.command = "/a", .state = ""}), UserError);
+}
+
+}  // namespace
+}  // namespace gauntlet::sim
