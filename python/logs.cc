@@ -115,8 +115,8 @@ void BindLogs(py::module_& module) {
       "identify",
       [](const std::string& log, const std::string& controller, bool from_wearer,
          const std::string& array, const std::string& map, const std::string& unit,
-         const std::optional<int>& episode, const std::string& command, const std::string& state,
-         bool held, const py::object& on_progress) {
+         const std::optional<int>& episode, double rate_hz, const std::string& command,
+         const std::string& state, bool held, const py::object& on_progress) {
         return Identify(log,
                         {.controller = controller,
                          .from_wearer = from_wearer,
@@ -124,29 +124,31 @@ void BindLogs(py::module_& module) {
                                    .map = map,
                                    .unit = unit,
                                    .episode = episode,
+                                   .rate_hz = rate_hz,
                                    .command = command,
                                    .state = state}},
                         held, on_progress);
       },
       py::arg("log"), py::arg("controller"), py::arg("from_wearer"), py::arg("array"),
-      py::arg("map"), py::arg("unit"), py::arg("episode"), py::arg("command"), py::arg("state"),
-      py::arg("held"), py::arg("on_progress"));
+      py::arg("map"), py::arg("unit"), py::arg("episode"), py::arg("rate_hz"), py::arg("command"),
+      py::arg("state"), py::arg("held"), py::arg("on_progress"));
   module.def(
       "audit",
       [](const std::string& log, const std::string& array, const std::string& command,
          const std::string& state, const std::string& map, const std::string& unit,
-         const std::optional<int>& episode, const py::object& on_progress) {
+         const std::optional<int>& episode, double rate_hz, const py::object& on_progress) {
         return AuditOf(log,
                        {.array = array,
                         .map = map,
                         .unit = unit,
                         .episode = episode,
+                        .rate_hz = rate_hz,
                         .command = command,
                         .state = state},
                        on_progress);
       },
       py::arg("log"), py::arg("array"), py::arg("command"), py::arg("state"), py::arg("map"),
-      py::arg("unit"), py::arg("episode"), py::arg("on_progress"));
+      py::arg("unit"), py::arg("episode"), py::arg("rate_hz"), py::arg("on_progress"));
   module.def(
       "inspect",
       [](const std::string& file, double rate_hz, const std::string& array,

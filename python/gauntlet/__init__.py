@@ -242,12 +242,13 @@ def sweep(study: Settings, *, set: Overrides = None, seeds: Optional[int] = None
 
 def identify(log: Union[str, "os.PathLike[str]"], *, source: str = "wearer", controller: str = "", array: str = "",
              topic: str = "", map: Union[str, "os.PathLike[str]"] = "", unit: str = "", episode: Optional[int] = None,
-             command: str = "", state: str = "", held: bool = False, progress: Progress = None) -> IdentifyResult:
+             rate_hz: float = 0.0, command: str = "", state: str = "", held: bool = False,
+             progress: Progress = None) -> IdentifyResult:
     """Delay, lag and hysteresis of a hand from a log of commands and angles, or from an output folder.
 
     source      of an output folder: the chain from the wearer's angles ("wearer") or from the targets ("target")
     controller  of an output folder; empty: the scenario's first
-    array, topic, map, unit, episode, command, state, held  as of `gauntlet identify`
+    array, topic, map, unit, episode, rate_hz, command, state, held  as of `gauntlet identify`
     """
     if source not in ("wearer", "target"):
         raise SettingError("source", "", f"is {source}, must be wearer or target")
@@ -255,19 +256,20 @@ def identify(log: Union[str, "os.PathLike[str]"], *, source: str = "wearer", con
         raise SettingError("unit", "", f"is {unit}, must be deg or rad")
     with _Line(progress, "identify") as told:
         found = _core.identify(os.fspath(log), controller, source == "wearer", _array(array, topic), os.fspath(map), unit,
-                               episode, command, state, held, told)
+                               episode, rate_hz, command, state, held, told)
     _remark(found["remarks"])
     return IdentifyResult(found)
 
 
 def audit(log: Union[str, "os.PathLike[str]"], *, array: str = "", topic: str = "", command: str = "", state: str = "",
           map: Union[str, "os.PathLike[str]"] = "", unit: str = "", episode: Optional[int] = None,
-          progress: Progress = None) -> AuditResult:
+          rate_hz: float = 0.0, progress: Progress = None) -> AuditResult:
     """What the commands of a data set are, and the delay and offset of each part. Arguments as of `gauntlet audit`."""
     if unit not in ("", "deg", "rad"):
         raise SettingError("unit", "", f"is {unit}, must be deg or rad")
     with _Line(progress, "audit") as told:
-        found = _core.audit(os.fspath(log), _array(array, topic), command, state, os.fspath(map), unit, episode, told)
+        found = _core.audit(os.fspath(log), _array(array, topic), command, state, os.fspath(map), unit, episode, rate_hz,
+                            told)
     _remark(found["remarks"])
     return AuditResult(found)
 

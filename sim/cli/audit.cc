@@ -24,7 +24,8 @@ struct AuditOptions {
   std::string state;
   std::string map;
   std::string unit;
-  int episode = -1;  // below 0: all
+  double rate_hz = 0.0;  // of even rows; 0: by the time
+  int episode = -1;      // below 0: all
   std::string out;
   bool json = false;
   bool verbose = false;
@@ -44,6 +45,8 @@ struct AuditOptions {
         Option("--unit", &unit, {.value = "UNIT", .choices = {"deg", "rad"}},
                "unit of the angles, if the names of the columns have none"),
         Option("--episode", &episode, {.value = "N"}, "audit one episode [all]"),
+        Option("--rate", &rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
+               "rate of even rows, in a log without a time"),
         Option("--json", &json, {}, "print JSON instead of the table, with all episodes"),
         VerboseOption(verbose, "also print all parts, all faults and ignored columns"),
         terminal.Rows(),
@@ -87,6 +90,7 @@ void RunAudit(const AuditOptions& options) {
                 .map = options.map,
                 .unit = options.unit,
                 .episode = options.episode < 0 ? std::nullopt : std::optional(options.episode),
+                .rate_hz = options.rate_hz,
                 .command = options.command,
                 .state = options.state},
                [&](double share) { bar.Update(share, 1.0); });

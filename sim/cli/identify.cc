@@ -31,10 +31,11 @@ struct LogOptions {
   std::string array;    // of a file with several
   std::string command;  // topics
   std::string state;
-  std::string map;   // column map
-  std::string unit;  // of columns whose names have none
-  std::string hand;  // of a validation; empty: a joint and a servo for each part
-  std::string out;   // empty: out/<log>.chain.yaml, or out/<log>.validation.html
+  std::string map;       // column map
+  std::string unit;      // of columns whose names have none
+  double rate_hz = 0.0;  // of even rows; 0: by the time
+  std::string hand;      // of a validation; empty: a joint and a servo for each part
+  std::string out;       // empty: out/<log>.chain.yaml, or out/<log>.validation.html
   bool json = false;
   TerminalOptions terminal;
 
@@ -48,6 +49,8 @@ struct LogOptions {
                "key joint [by names]"),
         Option("--unit", &unit, {.value = "UNIT", .choices = {"deg", "rad"}},
                "unit of the angles, if the names of the columns have none"),
+        Option("--rate", &rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
+               "rate of even rows, in a log without a time"),
         Option("--json", &json, {}, "print JSON instead of the table"),
         terminal.Rows(),
     };
@@ -212,6 +215,7 @@ void ValidateHand(const LogOptions& options) {
   ChainEpisodes episodes = LoadChainEpisodes(options.log, {.array = options.array,
                                                            .map = options.map,
                                                            .unit = options.unit,
+                                                           .rate_hz = options.rate_hz,
                                                            .command = options.command,
                                                            .state = options.state});
   RefuseInput(page);
@@ -247,6 +251,7 @@ void RunIdentify(const IdentifyOptions& options) {
                  .map = options.map,
                  .unit = options.unit,
                  .episode = options.episode < 0 ? std::nullopt : std::optional(options.episode),
+                 .rate_hz = options.rate_hz,
                  .command = options.command,
                  .state = options.state}});
   OutputFiles files({.folder = target.parent_path(),

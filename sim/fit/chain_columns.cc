@@ -25,7 +25,8 @@ constexpr std::string_view kCommandWords =
     "command commanded commands cmd ctrl target goal desired des setpoint set reference ref leader "
     "lead sent action actions demand soll";
 constexpr std::string_view kAngleWords =
-    "actual act measured meas feedback fb present observation observed obs state states encoder "
+    "actual act measured meas feedback fb present observation observations observed obs state "
+    "states encoder "
     "follower follow qpos read response ist";
 constexpr std::string_view kPositionWords = "position positions pos angle";
 constexpr std::string_view kOtherWords =
@@ -296,14 +297,14 @@ std::vector<EpisodeColumn> FindEpisodes(const TableLayout& layout) {
 
 }  // namespace
 
-ChainColumns FindChainColumns(const FoundTable& table, const std::string& map) {
+ChainColumns FindChainColumns(const FoundTable& table, const std::string& map, double rate_hz) {
   const CsvReader& csv = table.reader;
   const std::vector<std::string>& names = table.layout.names;
   const bool has_names =
       std::ranges::any_of(names, [](const std::string& name) { return !name.empty(); });
   if (map.empty() && !has_names) csv.Fail(1, "the first line must name the columns, or --map");
   ChainColumns columns;
-  columns.time = TimeByName(csv.name(), table.layout);
+  if (rate_hz == 0.0) columns.time = TimeByName(csv.name(), table.layout);
   columns.episodes = FindEpisodes(table.layout);
   std::vector<PartColumn> bare;
   if (map.empty()) {
@@ -311,7 +312,11 @@ ChainColumns FindChainColumns(const FoundTable& table, const std::string& map) {
   } else {
     FindPartsByMap(table, map, columns);
   }
-  if (columns.time.empty()) csv.Fail(1, "there is no column of time (as t_s or time_ms)");
+  if (rate_hz > 0.0) {
+    columns.time.clear();
+  } else if (columns.time.empty()) {
+    csv.Fail(1, "there is no column of time (as t_s or time_ms); --rate HZ for even rows");
+  }
   PairParts(table, bare, columns);
   ShareUnits(columns);
   ListIgnored(names, columns);

@@ -26,7 +26,7 @@ struct EpisodeColumn {
 
 /// The columns of a log of commands and angles.
 struct ChainColumns {
-  std::vector<TimeMapping> time;  // summed
+  std::vector<TimeMapping> time;  // summed; empty: by the rate
   /// That tell episodes apart: `episode` or `episode_index` alone, else all of sessions and trials.
   std::vector<EpisodeColumn> episodes;
   std::vector<PartColumn> commands;
@@ -45,6 +45,8 @@ struct ChainColumns {
 /// (speed, current, torque, ..) are ignored.
 /// A column map (see ReadLogMap), if one is given, is used in place of the names.
 /// Errors: UserError for a command without an angle, two columns for the same, or no time.
-ChainColumns FindChainColumns(const FoundTable& table, const std::string& map = {});
+/// `rate_hz` above 0: rows are even, and no column is the time.
+ChainColumns FindChainColumns(const FoundTable& table, const std::string& map = {},
+                              double rate_hz = 0.0);
 
 }  // namespace gauntlet::sim

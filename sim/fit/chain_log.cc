@@ -82,7 +82,7 @@ ChainLog LogOf(const ChainColumns& columns, const std::vector<PartColumn>& parts
   constexpr double kMostSamplesPerRow = 20.0;
   if (!(periods <= kMostSamplesPerRow * rows.count)) {
     csv.FailInRow(
-        1, columns.time.front().column + 1,
+        1, columns.time.empty() ? 1 : columns.time.front().column + 1,
         fmt::format("most rows come {:.3g} s after the one before, but all {} take {:.6g} "
                     "s, must come at an about even rate",
                     period_s, rows.count, last_s - rows.first_s));

@@ -110,6 +110,7 @@ EpisodeReader::EpisodeReader(const std::filesystem::path& file, const ChainLogOp
                              Inputs inputs)
     : table_(FindTable(file.string(), std::move(inputs.table), ProblemHandling::kAllowMissing)),
       wanted_(options.episode),
+      rate_hz_(options.rate_hz),
       values_(table_.reader.column_count()),
       first_s_(kNaN),
       last_s_(kNaN) {
@@ -118,7 +119,7 @@ EpisodeReader::EpisodeReader(const std::filesystem::path& file, const ChainLogOp
         FindTable(file.string(), *std::move(inputs.commands), ProblemHandling::kAllowMissing));
     columns_ = PairTopics(*commands_, table_, inputs.topics, remarks_);
   } else {
-    columns_ = FindChainColumns(table_, options.map);
+    columns_ = FindChainColumns(table_, options.map, options.rate_hz);
   }
   marks_.assign(columns_.episodes.size(), kNaN);
   parts_ = columns_.commands;
@@ -162,18 +163,18 @@ bool EpisodeReader::NextRow() {
   CsvReader& csv = table_.reader;
   row_.reset();
   if (!csv.NextRow(values_)) return false;
-  const std::size_t time_column = columns_.time.front().column;
   row_.emplace();
   for (const TimeMapping& time : columns_.time) {
     row_->time_s += values_[time.column] * time.scale_s;
   }
-  if (std::isnan(row_->time_s)) csv.Fail(time_column + 1, "the time is missing");
+  if (columns_.time.empty()) row_->time_s = rows_ / rate_hz_;
+  if (std::isnan(row_->time_s)) csv.Fail(TimeColumn() + 1, "the time is missing");
   row_->begins = BeginsEpisode();
   row_->episode = numbers_.back();
   if (!row_->begins && row_->time_s <= last_s_) {
-    csv.Fail(time_column + 1, fmt::format("the time is {} s, must be above the {} s of the row "
-                                          "before",
-                                          row_->time_s, last_s_));
+    csv.Fail(TimeColumn() + 1, fmt::format("the time is {} s, must be above the {} s of the row "
+                                           "before",
+                                           row_->time_s, last_s_));
   }
   last_s_ = row_->time_s;
   return true;
@@ -202,14 +203,13 @@ void EpisodeReader::CheckAll() const {
   const CsvReader& csv = table_.reader;
   constexpr double kNearlyAlways = 0.9;
   if (rows_ > 1.0 && falls_ > kNearlyAlways * (rows_ - 1.0)) {
-    csv.FailInRow(1, columns_.time.front().column + 1,
-                  "the time falls from row to row; sort the rows by it");
+    csv.FailInRow(1, TimeColumn() + 1, "the time falls from row to row; sort the rows by it");
   }
   if (numbers_.empty()) csv.Fail(1, "the log has fewer than two rows");
   if (!wanted_ || std::ranges::find(numbers_, *wanted_) != numbers_.end()) return;
   const auto [least, most] = std::ranges::minmax(numbers_);
   const std::size_t column =
-      columns_.episodes.empty() ? columns_.time.front().column : columns_.episodes.front().column;
+      columns_.episodes.empty() ? TimeColumn() : columns_.episodes.front().column;
   csv.FailInRow(
       1, column + 1,
       numbers_.size() == 1

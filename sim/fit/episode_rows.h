@@ -20,6 +20,7 @@ struct ChainLogOptions {
   std::string map = {};             // column map with command, angle, motor; empty: by names
   std::string unit = {};            // of columns whose names have none: deg or rad
   std::optional<int> episode = {};  // the only one to read, of a log with several
+  double rate_hz = 0.0;             // of even rows without a time; 0: by the time
   std::string command = {};         // topics of a file of messages; empty: see FindTopicPair()
   std::string state = {};
 };
@@ -78,6 +79,10 @@ class EpisodeReader {
   void ReadCommands(EpisodeRows& rows);
   bool NextRow();
   bool BeginsEpisode();
+  /// Column of the time, or the first, for messages.
+  std::size_t TimeColumn() const {
+    return columns_.time.empty() ? 0 : columns_.time.front().column;
+  }
   void AddRow(EpisodeRows& rows) const;
   void CheckAll() const;
 
@@ -87,6 +92,7 @@ class EpisodeReader {
   ChainColumns columns_;
   std::vector<PartColumn> parts_;
   std::optional<int> wanted_;
+  double rate_hz_;
   std::vector<double> values_;        // of the row
   std::optional<Row> row_;            // read, but given by no Next() yet
   std::vector<double> marks_;         // of the last row, by columns of episodes

@@ -21,7 +21,7 @@ constexpr double kLongestShown_s = 10.0;
 
 /// The delay of each part that has one: interval, and the range over stretches behind it.
 std::string DelaySvg(const Audit& audit) {
-  constexpr double kEach = 26.0, kFirst = 14.0, kLeft = 150.0, kHalfBar = 7.0;
+  constexpr double kEach = 26.0, kFirst = 14.0, kLeft = 120.0, kHalfBar = 7.0;
   std::vector<const AuditedPart*> parts;
   Extent range;
   range.Include(0.0);
@@ -35,7 +35,7 @@ std::string DelaySvg(const Audit& audit) {
   if (parts.empty()) return "";
   range.high += 0.06 * (range.high - range.low);
   const double bottom = kFirst + kEach * static_cast<double>(parts.size());
-  Figure figure{640.0, bottom + kFigureLayout.bottom, "figure", "Delay of each part"};
+  Figure figure{460.0, bottom + kFigureLayout.bottom, "figure", "Delay of each part"};
   const FigureBox area = {kLeft, kFirst - 6.0, figure.width_px - 14.0, bottom};
   const Panel panel(area, {range, "delay [ms]", 6, true}, {});
   panel.AddAxes(figure);
