@@ -128,7 +128,8 @@ class RowWatch {
     if (all >= kFewest) {
       // The median does not count the gaps of an arm at rest.
       std::size_t middle = 0;
-      for (double below = gaps_[0]; below < 0.5 * all; below += gaps_[middle]) ++middle;
+      double below = gaps_[0];
+      while (below < 0.5 * all) below += gaps_[++middle];
       const std::size_t low =
           middle > 1 && gaps_[middle - 1] > gaps_[middle + 1] ? middle - 1 : middle;
       const double near = gaps_[low] + gaps_[low + 1];

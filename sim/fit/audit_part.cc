@@ -317,7 +317,8 @@ void PartAudit::FinishDelay(const std::vector<const Stretch*>& moving, AuditedPa
     middle_s.push_back(stretch->middle_s);
   }
   const CommonValue common = CommonOf(delays_ms, errors_ms);
-  // The straight line between rows is no better: see docs/evidence/measurements.md.
+  // The straight line between rows is no better: without this, intervals of many episodes held the
+  // delay of long logs in 81 to 93 % of the cases.
   constexpr double kLeastError_rows = 0.02;
   const double half_width_ms =
       std::hypot(common.half_width, kLeastError_rows * 1e3 / moving.front()->rate_hz);

@@ -23,15 +23,15 @@ constexpr std::size_t kMostLooks = 2;
 
 /// As a table calls the commands of a part.
 std::string WordOf(const std::string& kind) {
-  static const std::map<std::string, std::string> words = {
+  static const std::map<std::string, std::string> kWords = {
       {"target", "targets"},         {"copy", "copies"},
       {"next_row", "next row"},      {"later_row", "later row"},
       {"earlier_row", "row before"}, {"velocity", "speeds"},
       {"mixed", "partly copies"},    {"ahead", "behind angle"},
       {"opposite", "opposite"},      {"other_part", "another part's"},
       {"unrelated", "unrelated"},    {"still", "still"}};
-  const auto found = words.find(kind);
-  return found == words.end() ? kind : found->second;
+  const auto found = kWords.find(kind);
+  return found == kWords.end() ? kind : found->second;
 }
 
 /// Commands that say nothing of how the hand follows, but are no fault of a joint.

@@ -98,9 +98,9 @@ EpisodeReader::Inputs EpisodeReader::Open(const std::filesystem::path& file,
     }
     topics = FindTopicPair(name, opened.topics, options.command, options.state);
   }
-  return {.table = TableSource(file, topics.state),
-          .commands = TableSource(file, topics.command),
-          .topics = std::move(topics)};
+  TableInput states = TableSource(file, topics.state);
+  TableInput commands = TableSource(file, topics.command);
+  return {.table = std::move(states), .commands = std::move(commands), .topics = std::move(topics)};
 }
 
 EpisodeReader::EpisodeReader(const std::filesystem::path& file, const ChainLogOptions& options)
@@ -273,7 +273,7 @@ bool EpisodeReader::Next(EpisodeRows& rows) {
 }
 
 void ToEvenRows(const ColumnSeries& series, bool is_command, double start_s, double rate_hz,
-                Eigen::Ref<Eigen::VectorXd> result) {
+                const Eigen::Ref<Eigen::VectorXd>& result) {
   GAUNTLET_ASSERT(!series.value.empty() && rate_hz > 0.0);
   const std::vector<double> changes = is_command ? ChangesOf(series.value) : std::vector<double>();
   const bool has_steps = is_command && (FindCommandClock(changes) || StepsOf(changes));

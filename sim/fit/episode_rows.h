@@ -42,6 +42,13 @@ struct EpisodeRows {
   std::size_t values_missing = 0;
 };
 
+/// A row of a log, the first of an episode or not.
+struct LogRow {
+  bool begins = false;
+  double episode = 0.0;
+  double time_s = 0.0;
+};
+
 /// Reads a log of commands and angles, of any format of TableSource with a header and a time (see
 /// TimeByName), episode by episode. An episode begins where a column of ChainColumns::episodes
 /// changes, or where times begin anew. Of two topics (see FindTopicPair()) commands have their own
@@ -63,12 +70,6 @@ class EpisodeReader {
   bool Next(EpisodeRows& rows);
 
  private:
-  /// A row, the first of an episode or not.
-  struct Row {
-    bool begins = false;
-    double episode = 0.0;
-    double time_s = 0.0;
-  };
   struct Inputs {
     TableInput table;
     std::optional<TableInput> commands;
@@ -94,7 +95,7 @@ class EpisodeReader {
   std::optional<int> wanted_;
   double rate_hz_;
   std::vector<double> values_;        // of the row
-  std::optional<Row> row_;            // read, but given by no Next() yet
+  std::optional<LogRow> row_;         // read, but given by no Next() yet
   std::vector<double> marks_;         // of the last row, by columns of episodes
   std::vector<double> numbers_ = {};  // of all episodes
   double first_s_;
@@ -107,7 +108,7 @@ class EpisodeReader {
 /// lines, but a command in steps (see FindCommandClock() and StepsOf()) by the nearest row, because
 /// it never had a value in between. Precondition: the column has values.
 void ToEvenRows(const ColumnSeries& series, bool is_command, double start_s, double rate_hz,
-                Eigen::Ref<Eigen::VectorXd> result);
+                const Eigen::Ref<Eigen::VectorXd>& result);
 
 /// Scale of the columns whose names have no unit, and what is known of it.
 struct UnitOfLog {

@@ -296,7 +296,6 @@ FollowFit FitFollowing(std::span<const FollowRows> parts, double rate_hz) {
   fit.error_rows = std::max(std::sqrt((count - 1.0) / count * squares), kLeastError_rows);
   fit.correlation = best.moments.Correlation();
   fit.gain = best.moments.Gain();
-  fit.offset = best.moments.mean_a - best.moments.mean_c;
   fit.residual_rms = std::sqrt(std::max(best.moments.Left(), 0.0));
   fit.is_known = fit.correlation >= kLeastCorrelation;
   return fit;

@@ -20,7 +20,6 @@ struct FollowFit {
   double delay_rows = 0.0;    // below 0: the angle is ahead
   double error_rows = 0.0;    // standard error of the delay
   double gain = 1.0;          // of the angle over the delayed command
-  double offset = 0.0;        // mean of the angle less the delayed command
   double residual_rms = 0.0;  // with the gain and an offset
 };
 
