@@ -156,8 +156,9 @@ void CheckQuestion(const Inspection& inspection, const std::string& map) {
   } else if (AnswersByMap(inspection) || by_profile) {
     way = !profiles.empty()
               ? fmt::format("; --preset {} if it is one, or ", fmt::join(profiles, " or "))
-          : by_profile ? std::string(map.empty() ? "; --preset NAME, or " : "; ")
-                       : std::string("; ");
+          : by_profile && map.empty() && inspection.profile.empty()
+              ? std::string("; --preset NAME, or ")
+              : std::string("; ");
     way += map.empty() ? std::string("--write-map MAP.csv and fill it in")
                        : fmt::format("fill in {}, then --map {}", ShellPath(map), ShellPath(map));
   }

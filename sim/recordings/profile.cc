@@ -1,11 +1,15 @@
 #include "sim/recordings/profile.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <system_error>
 
+#include "sim/base/csv_line.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/tables/time_columns.h"
 
@@ -46,17 +50,59 @@ bool IsWithin(double value, const std::vector<double>& range) {
   return value >= range.front() && value <= range.back();
 }
 
-/// True if all columns that the profile is about fit its values.
-bool FitsValues(const ProfileMatch& match, const ProfileFacts& table) {
-  return std::ranges::all_of(table.columns, [&](const ProfileFacts::Column& column) {
-    const bool is_meant =
-        match.names.empty() || std::ranges::any_of(match.names, [&](const std::string& name) {
+/// Names of the columns that drive a joint by the map of a profile.
+std::vector<std::string> JointColumns(const Profile& profile) {
+  std::vector<std::string> names;
+  for (const std::string_view line : SplitLines(profile.map)) {
+    const auto cells = SplitCells(line);
+    const bool is_joint =
+        cells.size() > 1 && cells[0] != "column" && cells[1] != "ignore" && cells[1] != "time";
+    if (is_joint) names.emplace_back(cells[0]);
+  }
+  return names;
+}
+
+/// Values of the joints of a profile.
+struct JointValues {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+  double widest = 0.0;  // range of a column
+  bool is_whole = true;
+};
+
+/// Profiles without names are of all columns.
+JointValues ValuesOf(const Profile& profile, const ProfileFacts& table) {
+  JointValues values;
+  const std::vector<std::string> names = JointColumns(profile);
+  for (const ProfileFacts::Column& column : table.columns) {
+    const bool is_joint =
+        profile.match.names.empty() || std::ranges::any_of(names, [&](const std::string& name) {
           return IsSameName(name, column.name);
         });
-    return !is_meant || ((match.values.empty() || (IsWithin(column.low, match.values) &&
-                                                   IsWithin(column.high, match.values))) &&
-                         (!match.whole || column.is_whole));
-  });
+    if (!is_joint) continue;
+    values.low = std::min(values.low, column.low);
+    values.high = std::max(values.high, column.high);
+    values.widest = std::max(values.widest, column.high - column.low);
+    values.is_whole = values.is_whole && column.is_whole;
+  }
+  return values;
+}
+
+constexpr double kMostRad = 7.0;  // a turn, and a little
+
+double ReachOf(double low, double high) { return std::max(std::abs(low), std::abs(high)); }
+
+/// True for values so much smaller than the largest of the profile that another unit is as likely.
+/// A hand at rest has whole counts near 0; of bytes, both ends are open or closed hands.
+bool AreTooSmall(const JointValues& values, double largest) {
+  constexpr double kLargestByte = 255.0;
+  constexpr double kLargestJoint_deg = 110.0;
+  constexpr double kMotion_deg = 20.0;
+  const double reach = ReachOf(values.low, values.high);
+  if (largest <= kMostRad || values.widest == 0.0) return false;
+  if (reach < kMostRad) return !values.is_whole;
+  return largest >= kLargestByte && reach <= kLargestJoint_deg && values.widest >= kMotion_deg &&
+         (largest == kLargestByte || !values.is_whole);
 }
 
 }  // namespace
@@ -86,6 +132,23 @@ bool IsSameName(std::string_view one, std::string_view other) {
   return bare(one) == bare(other);
 }
 
+std::optional<OtherValues> ValuesAgainst(const Profile& profile, const ProfileFacts& table) {
+  constexpr double kEnough_s = 1.0;
+  const ProfileMatch& match = profile.match;
+  const JointValues values = ValuesOf(profile, table);
+  if (!(values.low <= values.high)) return std::nullopt;
+  bool is_against = match.whole && !values.is_whole;
+  if (!match.values.empty()) {
+    const double largest = ReachOf(match.values.front(), match.values.back());
+    const bool is_judged = !match.names.empty() && table.duration_s >= kEnough_s;
+    is_against = is_against || !IsWithin(values.low, match.values) ||
+                 !IsWithin(values.high, match.values) ||
+                 (is_judged && AreTooSmall(values, largest));
+  }
+  if (!is_against) return std::nullopt;
+  return OtherValues{values.low, values.high};
+}
+
 ProfileEvidence EvidenceFor(const Profile& profile, const ProfileFacts& table) {
   const ProfileMatch& match = profile.match;
   std::size_t given = 0, held = 0;
@@ -96,7 +159,8 @@ ProfileEvidence EvidenceFor(const Profile& profile, const ProfileFacts& table) {
   count(
       !match.columns.empty(),
       !match.columns.empty() && IsWithin(static_cast<double>(table.columns.size()), match.columns));
-  count(!match.values.empty() || match.whole, FitsValues(match, table));
+  const bool fits = !ValuesAgainst(profile, table);
+  count(!match.values.empty() || match.whole, fits);
   count(!match.format.empty(), std::ranges::find(match.format, table.format) != match.format.end());
   if (!match.names.empty()) {
     const bool has_names = std::ranges::all_of(match.names, [&](const std::string& name) {
@@ -104,6 +168,7 @@ ProfileEvidence EvidenceFor(const Profile& profile, const ProfileFacts& table) {
                                  [&](const std::string& other) { return IsSameName(name, other); });
     });
     if (has_names && held == given && held > 0) return ProfileEvidence::kKnown;
+    if (has_names && !fits && held + 1 == given) return ProfileEvidence::kOtherValues;
     // The same device without its names, or with others.
     return held == given || has_names ? ProfileEvidence::kOneFact : ProfileEvidence::kNone;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,7 +15,7 @@ struct ProfileMatch {
   std::vector<std::string> names =
       {};                            // of columns, all of them; case and punctuation do not count
   std::vector<double> columns = {};  // of numbers, besides times and counters; two: from, to
-  std::vector<double> values = {};   // lowest and highest possible value
+  std::vector<double> values = {};   // lowest and highest possible value of a joint
   bool whole = false;                // only whole numbers
   std::vector<std::string> format = {};  // as in ProfileFacts: one of these
 
@@ -38,20 +39,31 @@ struct Profile {
 struct ProfileFacts {
   struct Column {
     std::string name;
-    double low = 0.0;
+    double low = 0.0;  // of columns that a profile names without their rarest values
     double high = 0.0;
     bool is_whole = true;
   };
   std::vector<Column> columns = {};     // of numbers, besides times and counters
   std::vector<std::string> names = {};  // of all columns
   std::string format = {};  // text, json, mat, hdf5, npy, parquet, mcap, bag, echo or other
+  double duration_s = 0.0;
 };
+
+/// Values that a profile does not have.
+struct OtherValues {
+  double low = 0.0;
+  double high = 0.0;
+};
+/// Range of the joints of a profile if it is not the profile's: values are beyond it, or over a
+/// second or more so small that another unit is as likely. Angles below 7 deg may be radians.
+std::optional<OtherValues> ValuesAgainst(const Profile& profile, const ProfileFacts& table);
 
 /// Evidence that a table is of a profile.
 enum class ProfileEvidence {
-  kNone,     // a fact of the profile is not true of the table
-  kOneFact,  // no more than one fact is true: the profile may be asked for
-  kKnown,    // names and another fact; or number, values and format of columns without names
+  kNone,         // a fact of the profile is not true of the table
+  kOneFact,      // no more than one fact is true: the profile may be asked for
+  kOtherValues,  // all facts but ValuesAgainst(): in another unit, or of another device
+  kKnown,        // names and another fact; or number, values and format of columns without names
 };
 ProfileEvidence EvidenceFor(const Profile& profile, const ProfileFacts& table);
 

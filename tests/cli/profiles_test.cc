@@ -129,11 +129,12 @@ TEST(Profiles, NeedTwoFacts) {
   using enum sim::ProfileEvidence;
   sim::Profile named;
   named.match = {.names = {"Thumb 1", "palm_arch"}, .values = {0, 1000}};
+  named.map = "column,channel,unit\nthumb_1,thumb_mcp,deg\n";
   EXPECT_EQ(sim::EvidenceFor(named, FactsOf({".palm_arch", ".thumb_1"}, 0, 900, true, "echo")),
             kKnown);
   // Names alone are one fact, and so is a range alone.
   EXPECT_EQ(sim::EvidenceFor(named, FactsOf({"palm_arch", "thumb_1"}, 0, 9000, true, "text")),
-            kOneFact);
+            kOtherValues);
   EXPECT_EQ(sim::EvidenceFor(named, FactsOf({"a", "b"}, 0, 900, true, "text")), kOneFact);
 
   sim::Profile numbered;
@@ -144,6 +145,108 @@ TEST(Profiles, NeedTwoFacts) {
   EXPECT_EQ(sim::EvidenceFor(numbered, FactsOf({"a", "b", "c"}, 0, 255, true, "text")), kNone);
   numbered.match.format.clear();  // number and range of columns are no proof
   EXPECT_EQ(sim::EvidenceFor(numbered, FactsOf({"a", "b"}, 0, 255, true, "text")), kOneFact);
+}
+
+/// Evidence for a profile of one joint with these values, in a table of these values.
+sim::ProfileEvidence EvidenceOf(const std::vector<double>& values, double low, double high,
+                                bool is_whole, double duration_s) {
+  sim::Profile profile;
+  profile.match = {.names = {"thumb_1", "palm"}, .values = values};
+  profile.map = "column,channel,unit\nthumb_1,thumb_mcp,deg\npalm,ignore,\n";
+  sim::ProfileFacts facts = FactsOf({"thumb_1"}, low, high, is_whole, "text");
+  facts.columns.push_back({"palm", -1e6, 1e6});  // is no joint
+  facts.names.emplace_back("palm");
+  facts.duration_s = duration_s;
+  return sim::EvidenceFor(profile, facts);
+}
+
+TEST(Profiles, DoNotHoldForValuesThatMayBeOfAnotherUnit) {
+  using enum sim::ProfileEvidence;
+  const std::vector<double> degrees = {-180, 180};
+  EXPECT_EQ(EvidenceOf(degrees, 2.0, 80.0, false, 1.5), kKnown);
+  EXPECT_EQ(EvidenceOf(degrees, -0.2, 1.6, false, 1.5), kOtherValues);
+  EXPECT_EQ(EvidenceOf(degrees, -2.0, 6.9, false, 1.5), kOtherValues);
+  EXPECT_EQ(EvidenceOf(degrees, 20.0, 190.0, false, 1.5), kOtherValues);
+  EXPECT_EQ(EvidenceOf(degrees, -0.2, 1.6, false, 0.5), kKnown) << "too short to tell";
+  EXPECT_EQ(EvidenceOf(degrees, 0.0, 4.0, true, 1.5), kKnown) << "whole degrees";
+  EXPECT_EQ(EvidenceOf(degrees, 1.6, 1.6, false, 1.5), kKnown) << "nothing moves";
+  EXPECT_EQ(EvidenceOf({-1.8, 1.8}, 0.0, 0.3, false, 1.5), kKnown);
+  EXPECT_EQ(EvidenceOf({-1.8, 1.8}, 5.0, 80.0, false, 1.5), kOtherValues);
+  const std::vector<double> bytes = {0, 255};
+  EXPECT_EQ(EvidenceOf(bytes, 5.0, 80.0, false, 1.5), kOtherValues);
+  EXPECT_EQ(EvidenceOf(bytes, 5.0, 80.0, true, 1.5), kOtherValues);
+  EXPECT_EQ(EvidenceOf(bytes, 60.0, 78.0, true, 1.5), kKnown) << "a fist that hardly moves";
+  EXPECT_EQ(EvidenceOf(bytes, 5.0, 120.0, true, 1.5), kKnown);
+  EXPECT_EQ(EvidenceOf(bytes, 0.0, 1.0, false, 1.5), kOtherValues);
+  const std::vector<double> thousand = {0, 1000};
+  EXPECT_EQ(EvidenceOf(thousand, 5.0, 80.0, true, 1.5), kKnown) << "a small motion";
+  EXPECT_EQ(EvidenceOf(thousand, 0.0, 3.0, true, 1.5), kKnown) << "a hand at rest";
+  EXPECT_EQ(EvidenceOf(thousand, 5.0, 80.0, false, 1.5), kOtherValues);
+}
+
+/// 200 rows of 10 ms of a profile's columns; joints move from low to high.
+std::string RowsOf(const std::string& names, double low, double high) {
+  std::string text = "time_s," + names + "\n";
+  const auto columns = std::ranges::count(names, ',') + 1;
+  for (int k = 0; k < 200; ++k) {
+    text += fmt::format("{:.2f}", 0.01 * k);
+    for (int c = 0; c < columns; ++c) {
+      const double share = 0.5 - 0.5 * std::cos(0.1 * k + c);
+      text += fmt::format(",{:.4f}", low + (high - low) * share);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+TEST(Profiles, AskInAnotherUnitWithAFilledInMap) {
+  const TemporaryDirectory folder;
+  const auto inspect = [&](const std::string& text, std::vector<std::string> options) {
+    std::ofstream(folder.path() / "glove.csv") << text;
+    options.insert(options.begin(),
+                   {GAUNTLET_PROGRAM, "inspect", "glove.csv", "--write-map", "map.csv", "--force"});
+    return RunProgram(options, {.working_directory = folder.path()});
+  };
+  const auto map = [&] {
+    std::stringstream written;
+    written << std::ifstream(folder.path() / "map.csv").rdbuf();
+    return written.str();
+  };
+  const std::string orca =
+      "thumb_mcp,thumb_abd,thumb_pip,thumb_dip,index_abd,index_mcp,index_pip,middle_abd,"
+      "middle_mcp,middle_pip,ring_abd,ring_mcp,ring_pip,pinky_abd,pinky_mcp,pinky_pip,wrist";
+  ProgramResult asked = inspect(RowsOf(orca, 0.1, 1.2), {});
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_THAT(asked.standard_error,
+              HasSubstr("like orca_v1, but its joints have values from 0.1 to 1.2, where orca_v1 "
+                        "has -70 to 130: rad?; --unit deg if they are deg; fill in map.csv"));
+  EXPECT_THAT(map(),
+              HasSubstr("thumb_mcp,thumb_rotation,rad,1,,,,,joint unit sign range,0.872665"));
+  EXPECT_THAT(map(), HasSubstr("\nindex_pip,index_pip,rad,1,,,,,unit,\n"));
+  EXPECT_EQ(inspect(RowsOf(orca, 0.1, 1.2), {"--unit", "deg"}).exit_code, 0);
+  EXPECT_EQ(inspect(RowsOf(orca, 2.0, 30.0), {}).exit_code, 0);
+  // A unit that a person gives is not overruled by the profile.
+  asked = inspect(RowsOf(orca, 2.0, 80.0), {"--unit", "percent"});
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_THAT(asked.standard_error,
+              HasSubstr("like orca_v1, which has the unit deg and not percent"));
+  // The profile that a person names does not hold either.
+  EXPECT_EQ(inspect(RowsOf(orca, 0.1, 1.2), {"--preset", "orca_v1"}).exit_code, 2);
+
+  std::string hand =
+      "thumb_cmc_pitch,thumb_cmc_yaw,index_mcp_pitch,middle_mcp_pitch,ring_mcp_pitch,"
+      "pinky_mcp_pitch,thumb_cmc_roll";
+  for (int k = 0; k < 14; ++k) hand += fmt::format(",velocity_{}", k);
+  asked = inspect(RowsOf(hand, 2.0, 90.0), {});
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_THAT(asked.standard_error,
+              HasSubstr("like linkerhand_l7, but its joints have values from 2 to 90, where "
+                        "linkerhand_l7 has 0 to 255: deg?; --unit counts if they are counts"));
+  EXPECT_THAT(map(), HasSubstr("\nindex_mcp_pitch,index_mcp,deg,1,,,,,unit\n"));
+  EXPECT_EQ(inspect(RowsOf(hand, 2.0, 250.0), {}).exit_code, 0);
+  asked = inspect(RowsOf(hand, 2.0, 900.0), {});
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_THAT(asked.standard_error, HasSubstr("from 2 to 900, where linkerhand_l7 has 0 to 255;"));
 }
 
 TEST(Profiles, OfTheUserAndBesideTheFileGoBeforeOurs) {

@@ -546,7 +546,8 @@ void FindJoints(const std::vector<RowGroups>& groups, const InspectionOptions& o
               ChooseJoints({.columns = evidence,
                             .families = families,
                             .angle_unit = angle_unit,
-                            .format = FormatOfProfile(inspection.format)},
+                            .format = FormatOfProfile(inspection.format),
+                            .duration_s = inspection.time.duration_s},
                            options.joints, map, profiles),
               inspection);
   } catch (const UserError& error) {

@@ -13,6 +13,7 @@
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
+#include "sim/base/signal.h"
 #include "sim/base/text.h"
 #include "sim/recordings/column_scale.h"
 #include "sim/recordings/keypoints/keypoint_layout.h"
@@ -80,18 +81,12 @@ std::string SensorsText(std::size_t count) {
   return count == 1 ? "1 sensor" : fmt::format("{} sensors", count);
 }
 
-ProfileFacts::Column FactsOfColumn(const ColumnEvidence& column) {
-  return {.name = column.name,
-          .low = column.statistics.low,
-          .high = column.statistics.high,
-          .is_whole = column.statistics.is_whole};
-}
-
 /// The table of a family alone: profiles without names are of the sensors only.
 ProfileFacts FactsOfSensors(const JointEvidence& evidence, const ColumnFamily& family) {
   ProfileFacts facts = {.format = evidence.format};
   for (const std::size_t c : family.columns) {
-    facts.columns.push_back(FactsOfColumn(evidence.columns[c]));
+    const ColumnStatistics& is = evidence.columns[c].statistics;
+    facts.columns.push_back({evidence.columns[c].name, is.low, is.high, is.is_whole});
   }
   return facts;
 }
@@ -207,6 +202,88 @@ void ChooseByProfile(const JointEvidence& evidence, const Profile& profile, Join
                               ColumnsText(sensors.columns), sensors.facts.low, sensors.facts.high));
 }
 
+bool IsAngle(RawUnit unit) { return unit == RawUnit::kDegrees || unit == RawUnit::kRadians; }
+
+/// The joints of a profile, for a map in another unit. Offsets and signs of angles stay.
+void UseOtherUnit(RawUnit unit, const std::string& why, JointChoice& choice) {
+  const auto has_points = [](const std::vector<ColumnMapping>& mappings) {
+    return mappings.front().points.has_value();
+  };
+  if (!IsAngle(unit) || !IsAngle(choice.unit) || std::ranges::any_of(choice.mappings, has_points)) {
+    choice.mappings.clear();
+  }
+  for (std::vector<ColumnMapping>& mappings : choice.mappings) {
+    for (ColumnMapping& mapping : mappings) {
+      const bool is_rad = unit == RawUnit::kRadians,
+                 was_rad = mapping.unit == RecordedUnit::kRadians;
+      mapping.unit = unit == RawUnit::kRadians ? RecordedUnit::kRadians : RecordedUnit::kDegrees;
+      if (is_rad != was_rad) mapping.offset *= is_rad ? kRadPerDeg : kDegPerRad;
+      mapping.assumed += mapping.assumed.empty() ? "unit" : " unit";
+    }
+  }
+  choice.unit = unit;
+  choice.unit_is_assumed = true;
+  choice.unit_why = why;
+}
+
+/// A unit as a person gives it.
+RawUnit UnitNamed(const std::string& name) {
+  using enum RawUnit;
+  for (const RawUnit unit : {kDegrees, kRadians, kCounts, kVolts}) {
+    if (name == NameOf(unit)) return unit;
+  }
+  return kShare;
+}
+
+/// For a question: the unit of joints by the size of their values.
+RawUnit UnitBySize(const OtherValues& values) {
+  constexpr double kMostShare = 1.05;
+  constexpr double kMostRad = 7.0;
+  constexpr double kMostDeg = 200.0;
+  const double reach = std::max(std::abs(values.low), std::abs(values.high));
+  return values.low >= 0.0 && reach <= kMostShare ? RawUnit::kShare
+         : reach <= kMostRad                      ? RawUnit::kRadians
+         : reach <= kMostDeg                      ? RawUnit::kDegrees
+                                                  : RawUnit::kCounts;
+}
+
+/// The unit of a profile's values, as --unit has it.
+std::string_view UnitOfProfile(const JointChoice& choice) {
+  const ColumnMapping& mapping = choice.mappings.front().front();
+  if (!mapping.points) return NameOf(UnitOf(mapping));
+  const double full = std::max(std::abs(mapping.points->low), std::abs(mapping.points->high));
+  return full <= 1.0 ? "share" : full == 100.0 ? "percent" : "counts";
+}
+
+/// Asks if the values of a profile, or the unit that a person gives, are not those of the file.
+/// The unit of the profile, given, is an answer.
+void CheckValues(const JointEvidence& evidence, const Profile& profile, const std::string& given,
+                 JointChoice& choice) {
+  const std::string_view own = UnitOfProfile(choice);
+  if (given == own) return;
+  if (!given.empty()) {
+    choice.question =
+        fmt::format("like {}, which has the unit {} and not {}", profile.name, own, given);
+    UseOtherUnit(UnitNamed(given), "as given", choice);
+    return;
+  }
+  const auto other = ValuesAgainst(profile, FactsOf(evidence));
+  if (!other) return;
+  const std::vector<double>& values = profile.match.values;
+  const RawUnit may_be = UnitBySize(*other);
+  choice.question = fmt::format("like {}, but its joints have values from {:.3g} to {:.3g}",
+                                profile.name, other->low, other->high);
+  choice.question +=
+      values.empty() ? ", not whole numbers"
+                     : fmt::format(", where {} has {:g} to {:g}{}", profile.name, values.front(),
+                                   values.back(), profile.match.whole ? " in whole numbers" : "");
+  if (NameOf(may_be) != own) choice.question += fmt::format(": {}?", NameOf(may_be));
+  choice.question += fmt::format("; --unit {0} if they are {0}", own);
+  if (NameOf(may_be) != own || !IsAngle(may_be)) {
+    UseOtherUnit(may_be, "by the size of the values, which are not the profile's", choice);
+  }
+}
+
 /// The unit of angles that the header of the file gives decides, unless the names say another. If
 /// the file only has to have one (`angle`), the size of the values decides.
 void UseUnitOfFile(const std::string& unit, ColumnFamily& family) {
@@ -225,12 +302,7 @@ void UseUnitOfFile(const std::string& unit, ColumnFamily& family) {
 /// The unit that a person gives counts, whatever the file says.
 void UseGivenUnit(const std::string& unit, ColumnFamily& family) {
   if (unit.empty()) return;
-  for (const RawUnit known :
-       {RawUnit::kDegrees, RawUnit::kRadians, RawUnit::kCounts, RawUnit::kShare, RawUnit::kVolts}) {
-    if (unit == NameOf(known) || (unit == "percent" && known == RawUnit::kShare)) {
-      family.unit = known;
-    }
-  }
+  family.unit = UnitNamed(unit);
   if (family.unit == RawUnit::kShare) family.facts.high = unit == "percent" ? 100.0 : 1.0;
   family.is_assumed = false;
   family.rule = "given";
@@ -507,14 +579,16 @@ std::vector<std::size_t> JointsBeside(const JointEvidence& evidence, const Profi
 }  // namespace
 
 ProfileFacts FactsOf(const JointEvidence& evidence) {
-  ProfileFacts facts = {.format = evidence.format};
+  ProfileFacts facts = {.format = evidence.format, .duration_s = evidence.duration_s};
   for (const ColumnFamily& family : evidence.families) {
     for (const std::size_t c : family.columns) {
       facts.names.push_back(evidence.columns[c].name);
       using enum Quantity;
       const bool is_value = family.quantity != kText && family.quantity != kNothing &&
                             family.quantity != kTime && family.quantity != kNumber;
-      if (is_value) facts.columns.push_back(FactsOfColumn(evidence.columns[c]));
+      const ColumnStatistics& is = evidence.columns[c].statistics;
+      if (!is_value) continue;
+      facts.columns.push_back({evidence.columns[c].name, is.usual_low, is.usual_high, is.is_whole});
     }
   }
   return facts;
@@ -529,7 +603,8 @@ JointChoice ChooseJoints(const JointEvidence& evidence, const JointOptions& opti
     return choice;
   }
   if (!options.preset.empty()) {
-    ChooseByProfile(evidence, ProfileNamed(options.preset, profiles), JointBasis::kProfile, choice);
+    const Profile profile = ProfileNamed(options.preset, profiles);
+    ChooseByProfile(evidence, profile, JointBasis::kProfile, choice);
     const std::string unit = options.unit == "percent" ? "share" : options.unit;
     if (!unit.empty() && unit != NameOf(choice.unit)) {
       throw UserError({.place = "--unit " + options.unit,
@@ -537,6 +612,7 @@ JointChoice ChooseJoints(const JointEvidence& evidence, const JointOptions& opti
                                               "or fill in a map",
                                               options.preset, NameOf(choice.unit))});
     }
+    if (!CountsSensors(profile)) CheckValues(evidence, profile, options.unit, choice);
     return choice;
   }
   if (IsCommandLog(evidence.families)) {
@@ -545,9 +621,13 @@ JointChoice ChooseJoints(const JointEvidence& evidence, const JointOptions& opti
     return choice;
   }
   auto known = ProfilesWith(ProfileEvidence::kKnown, FactsOf(evidence), profiles, true);
+  const bool is_known = !known.empty();
+  if (!is_known) {
+    known = ProfilesWith(ProfileEvidence::kOtherValues, FactsOf(evidence), profiles, true);
+  }
   // One that asks for more names is of the same maker's larger hand.
   std::ranges::stable_sort(known, std::ranges::greater(), NumberOfNames);
-  if (known.size() > 1 && NumberOfNames(known[0]) == NumberOfNames(known[1])) {
+  if (is_known && known.size() > 1 && NumberOfNames(known[0]) == NumberOfNames(known[1])) {
     choice.question = "may be a file of several devices";
     choice.profiles_to_ask_for = NamesOf(known);
     return choice;
@@ -555,6 +635,8 @@ JointChoice ChooseJoints(const JointEvidence& evidence, const JointOptions& opti
   if (!known.empty()) {
     const Profile& profile = *known.front();
     ChooseByProfile(evidence, profile, JointBasis::kProfile, choice);
+    CheckValues(evidence, profile, options.unit, choice);
+    if (!choice.question.empty()) return choice;
     if (const auto beside = JointsBeside(evidence, profile, choice); !beside.empty()) {
       choice.question =
           fmt::format("like {}, but {}, which it does not have", profile.name,

@@ -26,6 +26,7 @@ struct JointEvidence {
   std::span<const ColumnFamily> families;  // of these columns
   std::string angle_unit;                  // by the header: deg, rad, or angle; empty: none
   std::string format;                      // as in ProfileFacts
+  double duration_s = 0.0;                 // of the rows
 };
 
 /// The columns that drive the joints of one hand.
