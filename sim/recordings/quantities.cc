@@ -135,7 +135,8 @@ std::vector<NameParts> PartsOfAll(std::span<const ColumnEvidence> columns) {
       part.stem.emplace_back("index");
     }
     const bool is_letter = part.stem.size() == 1 && part.stem[0].size() == 1;
-    if (is_letter && part.axes.empty() && !part.number) part.stem = {"abc"};  // a, b, c, ..
+    if (is_letter && part.axes.empty() && !part.number && part.part.empty())
+      part.stem = {"abc"};  // a, b, c, ..
     if (part.part.empty()) continue;
     std::erase_if(part.stem, [&part](const std::string& word) {
       return IsWordOf(kBendWords, word) || IsSpread(word) ||

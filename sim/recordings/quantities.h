@@ -11,7 +11,7 @@
 namespace gauntlet::sim {
 
 /// Unit of the values of sensors.
-enum class RawUnit { kCounts, kShare, kDegrees, kRadians, kVolts, kUnknown };
+enum class RawUnit { kCounts, kShare, kDegrees, kRadians, kMilliradians, kVolts, kUnknown };
 std::string_view NameOf(RawUnit unit);
 
 /// Quantity that a column of a file has.

@@ -111,13 +111,14 @@ constexpr QuantityRule kRules[] = {
      "velocity of JointState of ROS"},
     {"force", kForce, Unit::kUnknown, false,
      "force forces torque torques moment moments effort efforts eff tau load pressure fsr touch "
-     "tactile contact grip n newton newtons nm mnm loadcell pa kpa stiffness",
+     "tactile contact grip n newton newtons nm mnm gf kgf lbf tension loadcell "
+     "pa kpa hpa mbar bar psi stiffness",
      Any, "a force or pressure, by its name", "effort of JointState of ROS; touch sensors"},
     {"current", kCurrent, Unit::kUnknown, false, "current currents ma amps ampere amperes", Any,
      "a current, by its name", "current_mA of servo logs"},
     {"temperature", kTemperature, Unit::kUnknown, false,
-     "temp temperature celsius battery bat vbat", Any, "a temperature or the battery, by its name",
-     "logs of microcontrollers"},
+     "temp temperature celsius degc degf kelvin battery bat vbat", Any,
+     "a temperature or the battery, by its name", "logs of microcontrollers"},
     {"muscle", kMuscle, Unit::kUnknown, false, "emg semg exg muscle myo uv", Any,
      "a muscle's signal, by its name", "emg of Ninapro; EXG channels of OpenBCI"},
     {"quality", kQuality, Unit::kUnknown, false,
@@ -141,6 +142,11 @@ constexpr QuantityRule kRules[] = {
      "suffixes of column names"},
     {"rad_by_name", kSensor, Unit::kRadians, false, kRadWords, Any, "the names say radians",
      "suffixes of column names"},
+    {"mrad_by_name", kSensor, Unit::kMilliradians, false, "mrad milliradian milliradians", Any,
+     "the names say thousandths of radians", "suffixes of column names"},
+    {"other_unit", kSensor, Unit::kUnknown, false,
+     "ohm ohms kohm mohm ph pf nf uf farad siemens us mdeg cdeg ddeg grad gon rev revs", Any,
+     "in a unit by their names whose angles are unknown", "resistances of flex sensors"},
     {"volts_by_name", kSensor, Unit::kVolts, false, "v volt volts voltage mv", Any,
      "the names say volts", "suffixes of column names"},
     {"counts_by_name", kSensor, Unit::kCounts, false, "counts count adc raw", IsNotNegative,
@@ -172,8 +178,8 @@ constexpr QuantityRule kRules[] = {
 std::span<const QuantityRule> QuantityRules() { return kRules; }
 
 std::string_view NameOf(RawUnit unit) {
-  constexpr std::array<std::string_view, 6> kNames = {"counts", "share", "deg",
-                                                      "rad",    "volts", "unknown"};
+  constexpr std::array<std::string_view, 7> kNames = {"counts", "share", "deg",    "rad",
+                                                      "mrad",   "volts", "unknown"};
   return kNames[static_cast<std::size_t>(unit)];
 }
 

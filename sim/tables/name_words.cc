@@ -44,6 +44,12 @@ std::vector<std::string> WordsOf(std::string_view name) {
   std::vector<std::string> words;
   Kind before = Kind::kNone;
   for (std::size_t i = 0; i < name.size(); ++i) {
+    if (name.substr(i).starts_with("°")) {
+      words.emplace_back("deg");
+      before = Kind::kLower;
+      ++i;
+      continue;
+    }
     const auto byte = static_cast<unsigned char>(name[i]);
     Kind kind = Kind::kNone;
     if (std::isupper(byte) != 0) kind = Kind::kUpper;
@@ -51,10 +57,13 @@ std::vector<std::string> WordsOf(std::string_view name) {
     if (std::isdigit(byte) != 0) kind = Kind::kDigit;
     const bool next_is_lower =
         i + 1 < name.size() && std::islower(static_cast<unsigned char>(name[i + 1])) != 0;
-    // mA, mV and uV are units.
+    const bool ends =
+        i + 1 == name.size() || std::isalnum(static_cast<unsigned char>(name[i + 1])) == 0;
+    // mA, mV, uV, pF, degC and °C are units.
     const bool is_unit =
-        before == Kind::kLower && kind == Kind::kUpper && IsWordOf("m u", words.back()) &&
-        (i + 1 == name.size() || std::isalnum(static_cast<unsigned char>(name[i + 1])) == 0);
+        ends && kind == Kind::kUpper && before == Kind::kLower &&
+        (IsWordOf("m u", words.back()) || (byte == 'F' && IsWordOf("p n", words.back())) ||
+         (IsWordOf("C F", name.substr(i, 1)) && words.back() == "deg"));
     const bool begins =
         kind != before && !(before == Kind::kUpper && kind == Kind::kLower) && !is_unit;
     const bool new_word = kind == Kind::kUpper && before == Kind::kUpper && next_is_lower;

@@ -957,6 +957,46 @@ void AddLedOn(Shapes& shapes) {
        {{"persons_frames_index_mcp", "index_mcp"}, {"persons_frames_index_pip", "index_pip"}}});
 }
 
+/// Units in names: those of angles, with a prefix, too, and others, which are no angles.
+void AddUnits(Shapes& shapes) {
+  const auto fingers = [](const std::string& unit, double per_deg, double zero) {
+    Table table;
+    table.Add("time", Clock(0.01));
+    for (int i = 0; i < 5; ++i) {
+      table.Add(kFingers[i] + unit, [=](int row) { return zero + per_deg * AngleDeg(row, i); });
+    }
+    return table.Text();
+  };
+  const auto add = [&](const std::string& unit, double per_deg, const char* question,
+                       double zero = 0.0) {
+    shapes.push_back({"unit" + unit, fingers(unit, per_deg, zero)});
+    shapes.back().question = question;
+  };
+  constexpr const char* kNone = "no column looks like a sensor of a hand";
+  add("_degC", 0.1, kNone, 30.0);
+  add(" [°C]", 0.1, kNone, 30.0);
+  add("_N", 0.2, kNone);
+  add("_hPa", 1.0, kNone);
+  add("_tension", 0.5, kNone);
+  add("_Ohm", 100.0, "in a unit by their names whose angles are unknown");
+  add("_kOhm", 0.7, "in a unit by their names whose angles are unknown", 25.0);
+  add("_pF", 1.1, "in a unit by their names whose angles are unknown", 300.0);
+  const auto right = [&](const std::string& unit, double per_deg, const char* name, double zero) {
+    shapes.push_back({"unit" + unit, fingers(unit, per_deg, zero), 100, name});
+    for (std::size_t i = 0; i < 5; ++i) shapes.back().joints[kFingers[i] + unit] = kFlex5[i];
+  };
+  Table mixed;
+  mixed.Add("time", Clock(0.01)).Add("index_mcp_deg", Degrees(0)).Add("index_pip_rad", Radians(1));
+  shapes.push_back({"unit_of_each", mixed.Text()});
+  shapes.back().question = "column 2 [deg] and column 3 [rad] have different units";
+  Table beside;
+  beside.Add("time", Clock(0.01)).Add("index_mcp_deg", Degrees(0)).Add("index_pip", Radians(1));
+  shapes.push_back({"unit_of_one", beside.Text()});
+  shapes.back().question = "column 2 [deg] and column 3 [rad] have different units";
+  right("_V", 0.02, "volts", 1.2);
+  right("_mrad", 1e3 * kPi / 180.0, "mrad", 0.0);
+}
+
 }  // namespace
 
 std::vector<GloveShape> GloveShapes() {
@@ -977,6 +1017,7 @@ std::vector<GloveShape> GloveShapes() {
   AddRising(shapes);
   AddClocks(shapes);
   AddLedOn(shapes);
+  AddUnits(shapes);
   return shapes;
 }
 

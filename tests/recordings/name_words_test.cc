@@ -13,6 +13,12 @@ TEST(WordsOf, TakesNamesApart) {
   EXPECT_THAT(WordsOf("R.hand/thumb-ip (V)"), ElementsAre("r", "hand", "thumb", "ip", "v"));
   EXPECT_THAT(WordsOf("q_FFJ3"), ElementsAre("q", "ffj", "3"));
   EXPECT_THAT(WordsOf("ThumbMCPStretch"), ElementsAre("thumb", "mcp", "stretch"));
+  EXPECT_THAT(WordsOf("thumb_degC"), ElementsAre("thumb", "degc"));
+  EXPECT_THAT(WordsOf("Thumb [°C]"), ElementsAre("thumb", "degc"));
+  EXPECT_THAT(WordsOf("Thumb(°)"), ElementsAre("thumb", "deg"));
+  EXPECT_THAT(WordsOf("°"), ElementsAre("deg"));
+  EXPECT_THAT(WordsOf("degCount"), ElementsAre("deg", "count"));
+  EXPECT_THAT(WordsOf("ch0_pF"), ElementsAre("ch", "0", "pf"));
   EXPECT_THAT(WordsOf(""), ElementsAre());
 }
 

@@ -97,6 +97,8 @@ std::vector<RuleRow> RulesOfRows() {
       {"force", Fingers("_force", Between(0, 9)), Fingers("", Between(0, 90))},
       {"current", {{"current_mA", Between(0, 90)}}, {{"angle", Between(0, 90)}}},
       {"temperature", {{"temperature", Between(20, 30)}}, {{"sensor", Between(20, 30)}}},
+      {"temperature", Fingers("_degC", Between(20, 30)), Fingers("_deg", Between(20, 30))},
+      {"force", Fingers("_N", Between(0, 9)), {{"a", Between(0, 9)}, {"n", Between(0, 9)}}},
       {"muscle", {{"emg_1", Noise}, {"emg_2", Noise}}, {{"flex_1", Noise}, {"flex_2", Noise}}},
       {"quality", Fingers("_confidence", Between(0, 1)), Fingers("_share", Between(0, 1))},
       {"command", {{"goal_position", Between(0, 90)}}, {{"position", Between(0, 90)}}},
@@ -107,6 +109,8 @@ std::vector<RuleRow> RulesOfRows() {
       // Values never override a name.
       {"deg_by_name", {{"angle_deg", Between(0, 1.5)}}, {{"angle", Between(0, 90)}}},
       {"rad_by_name", {{"angle_rad", Between(0, 90)}}, {{"angle", Between(0, 1.5)}}},
+      {"mrad_by_name", Fingers("_mrad", Between(0, 900)), Fingers("_rad", Between(0, 900))},
+      {"other_unit", Fingers("_Ohm", Between(0, 900)), Fingers("_V", Between(0, 900))},
       {"volts_by_name", {{"flex_v", Between(0, 3)}}, {{"flex", Between(0, 3)}}},
       {"counts_by_name", {{"flex_adc", Between(10, 90, 1)}}, {{"flex", Between(10, 90, 1)}}},
       {"share_by_name", {{"ch_norm", Between(0, 1)}}, {{"ch", Between(0, 1)}}},

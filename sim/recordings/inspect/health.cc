@@ -179,8 +179,7 @@ double DegPerUnitOf(const Inspection& inspection, const InspectedColumn& column)
   if (!column.mappings.empty()) {
     return std::abs(ScaleOf(column.mappings.front(), {}).factor) * kDegPerRad;
   }
-  if (inspection.unit == RawUnit::kRadians) return kDegPerRad;
-  if (inspection.unit == RawUnit::kDegrees) return 1.0;
+  if (inspection.HasAngles()) return inspection.DegPerUnit();
   return (joint.max_deg - LowDegOf(joint)) / (inspection.unit_high > 1.5 ? 100.0 : 1.0);
 }
 

@@ -475,7 +475,7 @@ bool AreBetweenBones(const Inspection& inspection) {
 void OfferAnglesFromStraight(Inspection& inspection) {
   for (const std::size_t c : inspection.MappedColumns()) {
     inspection.columns[c].is_inverted = true;
-    inspection.columns[c].added = 180.0 / inspection.DegPerUnit();
+    inspection.columns[c].added = 180.0 / (inspection.unit == RawUnit::kDegrees ? 1.0 : kDegPerRad);
   }
 }
 
@@ -587,10 +587,13 @@ std::vector<std::size_t> Inspection::Sensors() const {
 }
 
 bool Inspection::HasAngles() const {
-  return unit == RawUnit::kDegrees || unit == RawUnit::kRadians;
+  return unit == RawUnit::kDegrees || unit == RawUnit::kRadians || unit == RawUnit::kMilliradians;
 }
 
-double Inspection::DegPerUnit() const { return unit == RawUnit::kRadians ? kDegPerRad : 1.0; }
+double Inspection::DegPerUnit() const {
+  if (unit == RawUnit::kMilliradians) return kRadPerMilliradian * kDegPerRad;
+  return unit == RawUnit::kRadians ? kDegPerRad : 1.0;
+}
 
 double LowDegOf(const Channel& joint) {
   return joint.name.ends_with("_mcp") ? std::max(joint.min_deg, 0.0) : joint.min_deg;

@@ -36,12 +36,14 @@ struct InspectedColumn {
   std::string channel;     // empty: ignored
   JointBasis basis = JointBasis::kName;
   bool is_inverted = false;  // falls while the joint bends
-  double added = 0.0;        // to the value, in its unit, to be in the joint's range
+  double added = 0.0;        // deg or rad, to be in the joint's range
   bool is_turning = false;   // jumps by 360
   double envelope_ms = 0.0;  // of a muscle: `statistics` are those of its Envelope; 0: its values
   std::vector<ColumnMapping> mappings = {};  // of a map or a profile; empty: by the unit
   std::string why;                           // reason for the channel, or for ignoring the column
 };
+
+inline constexpr double kRadPerMilliradian = 1e-3;
 
 /// Answer to the question of an Inspection.
 enum class Remedy {

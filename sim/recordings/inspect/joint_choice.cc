@@ -202,7 +202,10 @@ void ChooseByProfile(const JointEvidence& evidence, const Profile& profile, Join
                               ColumnsText(sensors.columns), sensors.facts.low, sensors.facts.high));
 }
 
-bool IsAngle(RawUnit unit) { return unit == RawUnit::kDegrees || unit == RawUnit::kRadians; }
+bool IsAngle(RawUnit unit) {
+  using enum RawUnit;
+  return unit == kDegrees || unit == kRadians || unit == kMilliradians;
+}
 
 /// The joints of a profile, for a map in another unit. Offsets and signs of angles stay.
 void UseOtherUnit(RawUnit unit, const std::string& why, JointChoice& choice) {
@@ -382,6 +385,40 @@ std::string UnitQuestion(const JointChoice& choice) {
                      ColumnsText(choice.columns), choice.unit_why);
 }
 
+/// Asks if names give the joints several units, or the values of those without one are of another.
+/// The map then has the unit of each.
+void CheckUnitsOfNames(const JointEvidence& evidence, JointChoice& choice) {
+  std::map<std::string_view, std::vector<std::size_t>> of_rule;  // "": without a unit in the name
+  for (const std::size_t c : choice.columns) {
+    const std::string_view rule = FamilyOfSensors(evidence.columns, {c}).rule;
+    of_rule[rule.ends_with("_by_name") || rule == "other_unit" ? rule : ""].push_back(c);
+  }
+  std::map<RawUnit, std::vector<std::size_t>> of_unit;
+  for (const auto& [rule, columns] : of_rule) {
+    std::vector<std::size_t>& all = of_unit[InGivenUnit(evidence, columns, "").unit];
+    all.insert(all.end(), columns.begin(), columns.end());
+  }
+  if (of_unit.size() < 2) return;
+  const auto& [unit, columns] = *of_unit.begin();
+  const auto& [other_unit, others] = *std::next(of_unit.begin());
+  choice.question =
+      fmt::format("{} [{}] and {} [{}] have different units; a map says the unit of each",
+                  ColumnsText(columns), NameOf(unit), ColumnsText(others), NameOf(other_unit));
+  for (std::size_t i = 0; i < choice.columns.size(); ++i) {
+    std::vector<ColumnMapping>& mappings = choice.mappings.emplace_back();
+    const auto is_own = [&](const auto& entry) {
+      return std::ranges::find(entry.second, choice.columns[i]) != entry.second.end();
+    };
+    const RawUnit own = std::ranges::find_if(of_unit, is_own)->first;
+    if (choice.joints[i].channel.empty() || !IsAngle(own)) continue;
+    mappings.push_back(
+        {.column = choice.columns[i],
+         .channel = ChannelIndex(choice.joints[i].channel),
+         .unit = own == RawUnit::kDegrees ? RecordedUnit::kDegrees : RecordedUnit::kRadians,
+         .scale = own == RawUnit::kMilliradians ? 1e-3 : 1.0});
+  }
+}
+
 /// True if a question was asked or joints were found.
 bool ChooseByNames(const JointEvidence& evidence, const JointOptions& options,
                    JointChoice& choice) {
@@ -410,6 +447,7 @@ bool ChooseByNames(const JointEvidence& evidence, const JointOptions& options,
       choice.joints, [](const ColumnJoint& joint) { return !joint.channel.empty(); });
   if (!any_joint && choice.question.empty()) choice.question = "no name of a column is a joint's";
   if (choice.question.empty()) choice.question = UnitQuestion(choice);
+  if (choice.question.empty() && options.unit.empty()) CheckUnitsOfNames(evidence, choice);
   for (ColumnJoint& joint : choice.joints) {
     // A word that is not known may say that it is no angle of the joint.
     if (!other.empty()) joint.basis = JointBasis::kAssumed;

@@ -49,7 +49,7 @@ bool IsWordOfJoint(const std::string& word) {
   return is_number || !JointOf(word).empty() || IsSensorWord(word) || IsJointWord(word) ||
          IsWordOf(
              "flexion flexed extension stretch curl bends angular spreads deviation dev ulnar "
-             "radial supination pitch yaw percent pct mv ratio",
+             "radial supination pitch yaw percent pct mv ratio mrad milliradian milliradians",
              word);
 }
 

@@ -50,7 +50,8 @@ std::string AngleCells(const Inspection& inspection, const InspectedColumn& colu
     return fmt::format("deg,,0,{},{}", inspection.unit_high > 1.5 ? 100 : 1, ends_deg);
   }
   if (!NeedsTwoPoints(inspection.unit)) {
-    return fmt::format("{},{},,,,", NameOf(inspection.unit), column.is_inverted ? "-1" : "1");
+    return fmt::format("{},{},,,,", inspection.unit == RawUnit::kDegrees ? "deg" : "rad",
+                       column.is_inverted ? "-1" : "1");
   }
   const double low = column.statistics.usual_low;
   double high = column.statistics.usual_high;
@@ -114,9 +115,10 @@ std::string NumberUnless(double value, double usual) {
 
 constexpr MoreKey kMoreKeys[] = {
     {"scale",
-     [](const Inspection&, const InspectedColumn&, const ColumnMapping* mapping) {
-       return mapping == nullptr || mapping->points ? ""
-                                                    : NumberUnless(std::abs(mapping->scale), 1.0);
+     [](const Inspection& inspection, const InspectedColumn&, const ColumnMapping* mapping) {
+       const bool is_mrad = inspection.unit == RawUnit::kMilliradians;
+       if (mapping == nullptr) return NumberUnless(is_mrad ? kRadPerMilliradian : 1.0, 1.0);
+       return mapping->points ? "" : NumberUnless(std::abs(mapping->scale), 1.0);
      }},
     {"offset",
      [](const Inspection&, const InspectedColumn& column, const ColumnMapping* mapping) {
@@ -231,7 +233,7 @@ FilterSettings SettingsInCounts(const Inspection& inspection, double glove_hz) {
     const ColumnStatistics& column = inspection.columns[c].statistics;
     const Channel& joint = KnownChannels()[ChannelIndex(inspection.columns[c].channel)];
     double per_unit = kCountsPerRange / (joint.max_deg - joint.min_deg);
-    if (inspection.unit == RawUnit::kRadians) per_unit *= kDegPerRad;
+    per_unit *= inspection.DegPerUnit();
     const std::vector<ColumnMapping>& mappings = inspection.columns[c].mappings;
     if (!mappings.empty() && !TakesRangeOfFile(mappings.front())) {
       per_unit = kCountsPerRange / (joint.max_deg - joint.min_deg) *
