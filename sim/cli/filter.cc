@@ -65,8 +65,8 @@ struct FilterOptions {
 The table is found as gauntlet inspect finds it; lines above it are left out. Labels of a
 serial plotter (flex1:512 flex2:300), lists ([512 300]), JointState of ROS as text and the
 alpha encoding of opengloves come out as a table. A column of time (time, timestamp, t, with a unit as in time_ms; in s without) passes
-through, and k,
-frame or sample if it is the first; all others are channels, unless --columns names some.
+through, and so do numbers of rows, labels and other times by their names; all others are
+channels, unless --columns names some.
 Another name of a time, as recv_timestamp_ms, is taken if its first 21 values rise.
 The sampling rate is that of the first 21 times, unless rate_hz gives it; filters that
 only count samples need none. A missing value (empty, nan, NA), or one beyond 1e100, is

@@ -50,12 +50,12 @@ Likeness LikenessToRow(std::string_view line, const std::string& above, bool may
   return 2 * values > cells.size() ? Likeness::kRow : Likeness::kPossible;
 }
 
-/// True if only rows tell which column is the time.
+/// True if only rows tell which column is the time, or which are clocks beside a clock.
 bool IsTimeUnclear(const TableLayout& layout) {
   bool may_be = false;
   for (std::size_t c = 0; c < layout.columns; ++c) {
     const std::string& name = layout.names[c];
-    if (TimeScaleS(name)) return false;
+    if (TimeScaleS(name) && KindOf(layout, c) != CellKind::kTime) return false;
     may_be = may_be || (MayBeTime(name) && !IsSampleNumber(name)) ||
              KindOf(layout, c) == CellKind::kTime;
   }
@@ -200,6 +200,7 @@ void StreamTable::ChooseColumns(const StreamHead& head, const std::vector<std::s
       if (!time.is_text) time.scale_s = SecondsPer(time_unit);
     }
   }
+  const std::vector<std::size_t> aside = ColumnsAside(time_, head.layout);
   std::vector<ChannelValues::Parts> channels;
   for (std::size_t column = 0; column < columns_; ++column) {
     const std::string& name = names[column];
@@ -219,6 +220,9 @@ void StreamTable::ChooseColumns(const StreamHead& head, const std::vector<std::s
     if (TimeScaleS(name) || (IsSampleNumber(name) && column == 0)) continue;
     if (is_time) {
       Say("gauntlet: standard input: {} is the time\n", Shown(name));
+    } else if (asked.empty() && std::ranges::find(aside, column) != aside.end()) {
+      Say("gauntlet: standard input: {} is no signal and passes through; --columns filters it\n",
+          Shown(name));
     } else if (asked.empty()) {
       AddChannel(column, channels);
       if (!MayBeTime(name)) continue;

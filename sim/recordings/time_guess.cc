@@ -307,6 +307,62 @@ std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& 
   return time;
 }
 
+std::vector<std::size_t> ClocksBeside(const std::vector<TimeMapping>& time,
+                                      const TableLayout& layout) {
+  constexpr std::size_t kFewestRows = 10;
+  constexpr double kSame = 0.02;  // of the duration, besides two intervals
+  std::vector<double> times_s;
+  for (const auto& row : layout.rows) {
+    double sum_s = 0.0;
+    for (const TimeMapping& part : time) {
+      sum_s += part.is_text ? SecondsOfText(row[part.column]).value_or(controller::kNaN)
+                            : part.scale_s * NumberIn(layout, row[part.column]);
+    }
+    times_s.push_back(sum_s);
+  }
+  std::vector<std::size_t> clocks;
+  if (time.empty() || times_s.size() < kFewestRows) return clocks;
+  const double duration_s = times_s.back() - times_s.front();
+  const double near_s = kSame * duration_s + 2.0 * duration_s / std::ssize(times_s);
+  for (std::size_t c = 0; c < layout.columns; ++c) {
+    const std::vector<double> values = ValuesOf(layout, c);
+    const bool is_time = std::ranges::find(time, c, &TimeMapping::column) != time.end();
+    if (is_time || values.size() < times_s.size() || StepsOf(values).forward_share < 1.0 ||
+        !std::ranges::all_of(values, [](double value) { return value == std::round(value); })) {
+      continue;
+    }
+    const double range = values.back() - values.front();
+    for (const double per_s : {1.0, 1e3, 1e6}) {
+      if (std::abs(range / per_s - duration_s) <= near_s) clocks.push_back(c);
+    }
+  }
+  return clocks;
+}
+
+std::vector<std::size_t> ColumnsAside(const std::vector<TimeMapping>& time,
+                                      const TableLayout& layout) {
+  TableStatistics statistics(layout.columns);
+  std::vector<double> values(layout.columns);
+  for (const auto& row : layout.rows) {
+    for (std::size_t c = 0; c < layout.columns; ++c) values[c] = NumberIn(layout, row[c]);
+    statistics.Add(controller::kNaN, values);
+  }
+  std::vector<ColumnEvidence> columns;
+  for (std::size_t c = 0; c < layout.columns; ++c) {
+    columns.push_back({.name = layout.names[c], .statistics = statistics.Column(c)});
+    columns.back().statistics.counting_share = 0.0;  // in few rows a signal may count, too
+  }
+  std::vector<std::size_t> aside = ClocksBeside(time, layout);
+  for (const ColumnFamily& family : FindFamilies(columns)) {
+    using enum Quantity;
+    const bool is_aside =
+        family.quantity == kTime || family.quantity == kNumber || family.quantity == kLabel;
+    if (!is_aside || !family.rule.ends_with("_by_name")) continue;
+    aside.insert(aside.end(), family.columns.begin(), family.columns.end());
+  }
+  return aside;
+}
+
 void ReadOnly(const std::vector<TimeMapping>& time, const std::vector<std::size_t>& used,
               CsvReader& reader) {
   std::vector<bool> is_read(reader.column_count(), false);

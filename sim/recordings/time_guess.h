@@ -36,6 +36,13 @@ TimeGuess TimeOfMap(const std::vector<TimeMapping>& time);
 /// found by its values alone. Else the first column with a name of TimeScaleS(). Empty: none.
 /// Errors: UserError in `file` for a column of time whose unit is a question.
 std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& layout);
+/// Columns of whole numbers that rise in the first rows as this time does, in s, ms or us: clocks
+/// beside it, as millis() behind the clock of a serial monitor.
+std::vector<std::size_t> ClocksBeside(const std::vector<TimeMapping>& time,
+                                      const TableLayout& layout);
+/// Columns of numbers of rows, labels and other times, by their names, and ClocksBeside().
+std::vector<std::size_t> ColumnsAside(const std::vector<TimeMapping>& time,
+                                      const TableLayout& layout);
 /// Makes a reader pass over all columns but those of the time and `used`.
 void ReadOnly(const std::vector<TimeMapping>& time, const std::vector<std::size_t>& used,
               CsvReader& reader);

@@ -751,6 +751,16 @@ void AddClocks(Shapes& shapes) {
            [](int row) { return fmt::format("10:11:{:02},{},", row / 100, 10 * (row % 100)); },
            AngleDeg),
        100, "deg", joints});
+  shapes.push_back({"clocks_millis", "", 100, "counts"});  // millis() behind a serial monitor's
+  for (int row = 0; row < kRows; ++row) {
+    shapes.back().text += fmt::format("10:15:{:02}.{:02} -> {}", row / 100, row % 100,
+                                      500 + 10 * row + (row % 3 == 1 ? 1 : 0));
+    for (int i = 0; i < 5; ++i) shapes.back().text += "," + Table::Cell(Counts(i, 1023)(row));
+    shapes.back().text += "\n";
+  }
+  for (std::size_t i = 0; i < 5; ++i) {
+    shapes.back().joints[fmt::format("value_{}", i + 2)] = kFlex5[i];
+  }
   shapes.push_back({"commas", "time,index_mcp,index_pip\n"});
   for (int row = 0; row < kRows; ++row) {
     shapes.back().text += fmt::format("0,{:02},{},{:02},{},{:02}\n", row % 100, 20 + row % 50,

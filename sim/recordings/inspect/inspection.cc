@@ -268,14 +268,15 @@ int BitsFor(double high) {
   return 32;
 }
 
-std::vector<ColumnEvidence> EvidenceOf(const Inspection& inspection) {
+std::vector<ColumnEvidence> EvidenceOf(const Inspection& inspection,
+                                       const std::vector<std::size_t>& clocks) {
   std::vector<ColumnEvidence> evidence;
   const std::vector<std::string> names = WithFingers(inspection.layout.names);
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     const InspectedColumn& column = inspection.columns[c];
     evidence.push_back({.name = names[c],
                         .is_text = column.kind != CellKind::kNumber,
-                        .is_time = column.is_time,
+                        .is_time = column.is_time || std::ranges::find(clocks, c) != clocks.end(),
                         .statistics = column.statistics});
   }
   return evidence;
@@ -367,7 +368,7 @@ void SetJoints(const std::vector<ColumnFamily>& families, const JointChoice& cho
       column.why = family.quantity == Quantity::kSensor
                        ? "a sensor of another family than that of the joints"
                        : std::string(family.why);
-      if (column.kind == CellKind::kTime) column.why = "another time";
+      if (column.kind == CellKind::kTime || family.why.empty()) column.why = "another time";
     }
   }
   double widest = 0.0;  // range of a sensor
@@ -533,10 +534,21 @@ void FindMusclesByNotes(const std::vector<std::string>& notes,
   }
 }
 
-void FindJoints(const std::vector<RowGroups>& groups, const InspectionOptions& options,
-                const std::optional<ColumnMap>& map, const std::string& angle_unit,
-                const std::vector<Profile>& profiles, Inspection& inspection) {
-  const std::vector<ColumnEvidence> evidence = EvidenceOf(inspection);
+/// Clocks beside the time, if it is used.
+std::vector<std::size_t> OtherClocks(const TimeGuess& time, const Inspection& inspection) {
+  std::vector<TimeMapping> parts;
+  for (const TimePart& part : time.parts) {
+    parts.push_back({part.column, SecondsPer(part.unit), part.unit == "date"});
+  }
+  return inspection.has_time ? ClocksBeside(parts, inspection.layout) : std::vector<std::size_t>();
+}
+
+void FindJoints(const std::vector<RowGroups>& groups, const TimeGuess& time,
+                const InspectionOptions& options, const std::optional<ColumnMap>& map,
+                const std::string& angle_unit, const std::vector<Profile>& profiles,
+                Inspection& inspection) {
+  const std::vector<ColumnEvidence> evidence =
+      EvidenceOf(inspection, OtherClocks(time, inspection));
   try {
     std::vector<ColumnFamily> families =
         options.columns ? GivenFamily(evidence, options.columns->first, options.columns->second)
@@ -650,7 +662,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
           inspection);
   KeepPicture(statistics, inspection);
   FindSenders(senders, ClockOf(time, inspection.columns), inspection);
-  FindJoints(groups, options, map, reader.angle_unit(), profiles, inspection);
+  FindJoints(groups, time, options, map, reader.angle_unit(), profiles, inspection);
   ComputeEnvelopeStatistics(file, std::move(*opened.table), time, inspection);
   return inspection;
 }
