@@ -17,6 +17,7 @@
 #include "sim/recordings/log_map.h"
 #include "sim/recordings/profile.h"
 #include "sim/recordings/time_guess.h"
+#include "sim/tables/name_words.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
@@ -343,6 +344,18 @@ void ReadRows(MapFile& file, const RecordingColumns& recording, MissingColumns m
 
 }  // namespace
 
+std::string HandInText(std::string_view text) {
+  for (const std::string& word : WordsOf(text)) {
+    if (!SideOf(word).empty()) return std::string(SideOf(word));
+  }
+  return "";
+}
+
+void KeepHand(const HandRows& hand, CsvReader& reader) {
+  reader.KeepRows(hand.column,
+                  [side = hand.side](std::string_view text) { return HandInText(text) == side; });
+}
+
 std::string AssumptionsOf(const ColumnMap& map) {
   if (map.is_confirmed) return "";
   std::vector<std::pair<std::string, std::string>> channels_by_words;
@@ -401,9 +414,10 @@ ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
 }
 
 ColumnMap ReadColumnMap(const std::filesystem::path& path, const CsvReader& recording) {
-  return ReadColumnMap(
-      path,
-      {.name = recording.name(), .header = recording.header(), .count = recording.column_count()});
+  return ReadColumnMap(path, {.name = recording.name(),
+                              .header = recording.header(),
+                              .count = recording.column_count(),
+                              .may_choose_rows = true});
 }
 
 namespace {
@@ -412,8 +426,17 @@ ColumnMap ReadMap(MapFile file, const RecordingColumns& recording, MissingColumn
   ColumnMap map;
   ReadRows(file, recording, missing, map.time, map.is_confirmed,
            [&](std::size_t column, const std::string& channel) {
-             AddChannel(file, column, channel, map);
+             if (channel != "left" && channel != "right") {
+               AddChannel(file, column, channel, map);
+               return;
+             }
+             if (!recording.may_choose_rows) {
+               file.FailAt("channel", "rows of one hand are taken of recordings only");
+             }
+             if (map.hand) file.FailAt("channel", "one column alone may name the hand");
+             map.hand = {column, channel};
            });
+  if (map.channels.empty()) file.FailAt("channel", "the map names no channel");
   return map;
 }
 

@@ -54,12 +54,24 @@ struct TimeMapping {
   bool is_text = false;  // of dates and clocks: see SecondsOfText
 };
 
+/// Rows of one hand in a table with the rows of both.
+struct HandRows {
+  std::size_t column = 0;  // of texts: left, right, L, R, ..
+  std::string side;        // left or right
+};
+
 /// Which column is what.
 struct ColumnMap {
   std::vector<TimeMapping> time;  // empty: the file has none
   std::vector<ColumnMapping> channels;
-  bool is_confirmed = false;  // by a person: nothing is assumed
+  std::optional<HandRows> hand = {};  // none: all rows
+  bool is_confirmed = false;          // by a person: nothing is assumed
 };
+
+/// left or right, by a word of a text; empty for others.
+std::string HandInText(std::string_view text);
+/// Makes a reader pass over the rows of the other hand.
+void KeepHand(const HandRows& hand, CsvReader& reader);
 
 /// Which joints a map assumes, and what of them, in one sentence; empty if nothing is assumed.
 std::string AssumptionsOf(const ColumnMap& map);

@@ -47,6 +47,7 @@ struct RecordingColumns {
   std::string name;                      // of the file, for messages
   std::vector<std::string> header = {};  // empty if the file has none
   std::size_t count = 0;
+  bool may_choose_rows = false;  // of one hand
 };
 
 /// Column map as for a CsvReader, of columns that are given by name.

@@ -73,6 +73,7 @@ RecordingReader::RecordingReader(std::string name, TableInput input, const Recor
   for (std::size_t column = 0; column < used.size(); ++column) {
     if (!used[column]) csv_->Ignore(column);
   }
+  if (map_.hand) KeepHand(*map_.hand, *csv_);
 }
 
 void RecordingReader::AddChannels(const RecordingFormat& format) {

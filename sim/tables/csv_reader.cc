@@ -87,6 +87,7 @@ double CsvReader::TableNumber(std::size_t column) {
   const Meaning meaning = meanings_[column];
   if (meaning == Meaning::kIgnored || (column > 0 && IsCutRow())) return kMissing;
   if (meaning == Meaning::kText) return TextNumber(TableCell(column));
+  if (meaning == Meaning::kKept) return is_kept_(TableCell(column)) ? 1.0 : 0.0;
   if (!is.texts.empty()) return Number(is.texts[rows_read_ - 1], column + 1);
   const double value = is.numbers[rows_read_ - 1];
   return std::isfinite(value) ? value : Number(TableCell(column), column + 1);
@@ -212,7 +213,20 @@ std::vector<std::vector<std::string>> CsvReader::FirstRows(std::size_t most, std
   return rows;
 }
 
+void CsvReader::KeepRows(std::size_t column, std::function<bool(std::string_view text)> is_kept) {
+  meanings_.at(column) = Meaning::kKept;
+  kept_column_ = column;
+  is_kept_ = std::move(is_kept);
+}
+
 bool CsvReader::NextRow(std::span<double> values) {
+  while (ReadRow(values)) {
+    if (!is_kept_ || values[kept_column_] != 0.0) return true;
+  }
+  return false;
+}
+
+bool CsvReader::ReadRow(std::span<double> values) {
   if (values.size() != column_count_) throw std::logic_error("no place for each value of a row");
   if (table_) {
     if (!NextRowOfTable()) return false;
@@ -264,6 +278,7 @@ void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
     more = separator_ == ' ' ? !rest.empty() : cell.data() + cell.size() != end;
     values[column] = meanings_[column] == Meaning::kIgnored ? kMissing
                      : meanings_[column] == Meaning::kText  ? TextNumber(cell)
+                     : meanings_[column] == Meaning::kKept  ? (is_kept_(Unquoted(cell)) ? 1.0 : 0.0)
                                                             : Number(cell, column + 1);
   }
   if (column < column_count_) {

@@ -67,6 +67,9 @@ class CsvReader {
   /// The numbers of this column are those of its texts, in the order of their first rows.
   void ReadAsTexts(std::size_t column) { meanings_.at(column) = Meaning::kText; }
 
+  /// NextRow() passes over rows whose text in this column is not kept; its numbers are 1.
+  void KeepRows(std::size_t column, std::function<bool(std::string_view text)> is_kept);
+
   /// The first rows that have column_count() cells, as text: at most so many of those up to a line
   /// of the text, and of so many bytes of a Table. NextRow() gives them again.
   std::vector<std::vector<std::string>> FirstRows(std::size_t most, std::size_t last_line,
@@ -113,6 +116,7 @@ class CsvReader {
   std::vector<std::string> CellsOf(std::string_view line) const;
   void ParseRow(std::string_view line, std::span<double> values);
   double TextNumber(std::string_view cell);
+  bool ReadRow(std::span<double> values);
   void Problem(RecordingProblem problem, std::size_t column, const std::string& message);
 
   std::string name_;
@@ -124,9 +128,11 @@ class CsvReader {
   std::vector<std::string> header_;
   std::size_t column_count_ = 0;
   char separator_ = ',';
-  enum class Meaning : char { kNumber, kTime, kText, kIgnored };
+  enum class Meaning : char { kNumber, kTime, kText, kKept, kIgnored };
   std::vector<Meaning> meanings_;                            // of columns
   std::map<std::string, double, std::less<>> text_numbers_;  // of columns read as texts
+  std::size_t kept_column_ = 0;
+  std::function<bool(std::string_view)> is_kept_ = {};  // none: all rows
   std::size_t first_row_line_ = 0;
   std::size_t row_ = 0;
 };

@@ -792,7 +792,9 @@ void AddParts(Shapes& shapes) {
             return fmt::format("{:.2f},{},", 0.01 * (row / 2), row % 2 == 0 ? "left" : "right");
           },
           hands),
-      "rows of 2 hands or devices alternate (column 2 'hand')");
+      "rows of 2 hands or devices alternate (column 2 'hand'); --hand left or --hand right");
+  add("parts_hands_right", shapes.back().text, "");
+  shapes.back().options = {"--hand", "right"};
   add("parts_hands_behind",
       TwoJoints(
           "time,hand,index_mcp,index_pip\n",
@@ -800,7 +802,9 @@ void AddParts(Shapes& shapes) {
             return fmt::format("{:.2f},{},", 0.01 * row, row < kRows / 2 ? "left" : "right");
           },
           AngleDeg),
-      "rows of 2 hands or devices (column 2 'hand')");
+      "rows of 2 hands or devices (column 2 'hand'); --hand left or --hand right");
+  add("parts_hands_first", shapes.back().text, "");
+  shapes.back().options = {"--hand", "left"};
   add("parts_devices",
       TwoJoints(
           "time,device_id,index_mcp,index_pip\n",

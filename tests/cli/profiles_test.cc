@@ -233,6 +233,17 @@ TEST(Profiles, AskInAnotherUnitWithAFilledInMap) {
   // The profile that a person names does not hold either.
   EXPECT_EQ(inspect(RowsOf(orca, 0.1, 1.2), {"--preset", "orca_v1"}).exit_code, 2);
 
+  // The map takes the right hand, whatever the person asks for.
+  const std::string both =
+      "RightFingerIndexMCPStretch,RightFingerIndexPIPStretch,RightFingerMiddleMCPStretch,"
+      "RightFingerMiddlePIPStretch,RightFingerRingMCPStretch,RightFingerRingPIPStretch,"
+      "RightFingerPinkyMCPStretch,RightFingerPinkyPIPStretch,LeftFingerIndexMCPStretch";
+  EXPECT_EQ(inspect(RowsOf(both, 2.0, 60.0), {"--hand", "right"}).exit_code, 0);
+  asked = inspect(RowsOf(both, 2.0, 60.0), {"--hand", "left"});
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_THAT(asked.standard_error,
+              HasSubstr("the map of manus_ros2_jointstate takes the right hand"));
+
   std::string hand =
       "thumb_cmc_pitch,thumb_cmc_yaw,index_mcp_pitch,middle_mcp_pitch,ring_mcp_pitch,"
       "pinky_mcp_pitch,thumb_cmc_roll";

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/base/channels.h"
+#include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/recordings/profile.h"
 #include "sim/recordings/recording_reader.h"
@@ -70,6 +71,29 @@ TEST_F(ColumnMaps, UndoJumpsOfAngles) {
   std::vector<double> angles_deg;
   for (const Row& row : rows) angles_deg.push_back(std::round(row["wrist_flexion"]));
   EXPECT_THAT(angles_deg, testing::ElementsAre(-10.0, -1.0, 5.0, 20.0, -10.0, -20.0));
+}
+
+TEST_F(ColumnMaps, TakeTheRowsOfOneHand) {
+  const std::string text =
+      "time,hand,bend\n0,Left,1\n0,Right,2\n1,left_hand,3\n1,R,4\n2,,5\n2,\"right\",6\n3,both,7\n";
+  const auto bends = [&](const char* side) {
+    std::vector<double> angles_deg;
+    RecordingFormat format;
+    format.longest_gap_ms = 1500.0;
+    for (const Row& row :
+         Read(text, std::string("column,channel\ntime,time\nhand,") + side + "\nbend,index_mcp\n",
+              format)) {
+      angles_deg.push_back(std::round(row["index_mcp"]));
+    }
+    return angles_deg;
+  };
+  EXPECT_THAT(bends("left"), testing::ElementsAre(1.0, 3.0));
+  EXPECT_THAT(bends("right"), testing::ElementsAre(2.0, 4.0, 6.0));
+  EXPECT_THAT(ErrorOf("1,2,3\n", "column,channel\n1,left\n2,right\n3,index_mcp\n"),
+              HasSubstr("one column alone may name the hand"));
+  EXPECT_THAT(ErrorOf("1,2,3\n", "column,channel\n1,left\n"), HasSubstr("names no channel"));
+  std::ofstream(MapFile()) << "column,channel\n1,left\n2,index_mcp\n";
+  EXPECT_THROW(ReadColumnMap(MapFile(), {.name = "a stream", .count = 2}), UserError);
 }
 
 TEST_F(ColumnMaps, TellWhatTheyAssume) {

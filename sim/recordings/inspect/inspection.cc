@@ -81,9 +81,10 @@ std::size_t ClockOf(const TimeGuess& time, const std::vector<InspectedColumn>& c
 
 /// Reads the whole table once.
 TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColumn>& columns,
-                          CsvReader& csv, std::vector<RowGroups>& groups, SenderWatch& senders) {
+                          const std::optional<HandRows>& hand, CsvReader& csv,
+                          std::vector<RowGroups>& groups, SenderWatch& senders) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (columns[c].kind == CellKind::kText) csv.ReadAsTexts(c);
+    if (columns[c].kind == CellKind::kText && !(hand && hand->column == c)) csv.ReadAsTexts(c);
     if (columns[c].kind == CellKind::kTime) csv.ReadAsTime(c);
   }
   TableStatistics statistics(csv.column_count());
@@ -183,7 +184,31 @@ std::optional<ColumnMap> MapOf(const Inspection& inspection, const std::string& 
   if (map.empty()) return std::nullopt;
   return ReadColumnMap(map, {.name = inspection.file,
                              .header = inspection.layout.names,
-                             .count = inspection.layout.columns});
+                             .count = inspection.layout.columns,
+                             .may_choose_rows = true});
+}
+
+/// The rows of the hand that a person asks for, if a column has it.
+std::optional<HandRows> HandOf(const Inspection& inspection, const std::string& side) {
+  for (std::size_t c = 0; !side.empty() && c < inspection.columns.size(); ++c) {
+    if (inspection.NamesHands(c)) return HandRows{c, side};
+  }
+  return std::nullopt;
+}
+
+/// Leaves out the rows of the other hand.
+void TakeHand(CsvReader& reader, Inspection& inspection) {
+  if (!inspection.hand) return;
+  const auto& [column, side] = *inspection.hand;
+  KeepHand(*inspection.hand, reader);
+  inspection.remarks.push_back(fmt::format("rows of the {} hand only, by column {} '{}'", side,
+                                           column + 1,
+                                           OneLine(inspection.columns[column].name, 20)));
+  std::vector<std::vector<std::string>> rows = inspection.layout.rows;
+  std::erase_if(rows, [&](const std::vector<std::string>& row) {
+    return HandInText(row[inspection.hand->column]) != inspection.hand->side;
+  });
+  if (!rows.empty()) inspection.layout.rows = std::move(rows);
 }
 
 /// The time of the profile that a person names, or whose names the table has; else a guess.
@@ -336,6 +361,7 @@ void ComputeEnvelopeStatistics(const std::filesystem::path& file, TableInput tab
     if (inspection.columns[c].kind == CellKind::kText) reader.Ignore(c);
     if (inspection.columns[c].kind == CellKind::kTime) reader.ReadAsTime(c);
   }
+  if (inspection.hand) KeepHand(*inspection.hand, reader);
   TableStatistics statistics(envelopes.size());
   std::vector<double> values(reader.column_count());
   std::vector<double> active(envelopes.size());
@@ -598,6 +624,14 @@ std::vector<std::size_t> Inspection::Sensors() const {
   return sensors;
 }
 
+bool Inspection::NamesHands(std::size_t column) const {
+  return columns[column].kind == CellKind::kText &&
+         HasWordOf(WordsOf(columns[column].name), "hand hands handedness side") &&
+         std::ranges::all_of(layout.rows, [column](const std::vector<std::string>& row) {
+           return !HandInText(row[column]).empty();
+         });
+}
+
 bool Inspection::HasAngles() const {
   return unit == RawUnit::kDegrees || unit == RawUnit::kRadians || unit == RawUnit::kMilliradians;
 }
@@ -637,12 +671,15 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
     inspection.columns[c].kind = KindOf(inspection.layout, c);
   }
   const std::optional<ColumnMap> map = MapOf(inspection, options.map);
+  inspection.hand = map ? map->hand : HandOf(inspection, options.joints.hand);
+  TakeHand(reader, inspection);
   const std::vector<Profile> profiles =
       map ? std::vector<Profile>() : AllProfiles(std::filesystem::absolute(file));
   const TimeGuess time = map ? TimeOfMap(map->time) : TimeOf(inspection.layout, profiles, options);
   std::vector<RowGroups> groups = GroupsToWatch(inspection);
   SenderWatch senders(inspection.columns.size());
-  const TableStatistics statistics = ReadTable(time, inspection.columns, reader, groups, senders);
+  const TableStatistics statistics =
+      ReadTable(time, inspection.columns, inspection.hand, reader, groups, senders);
   inspection.is_whole = *is_whole;
   for (const std::string& remark : reader.remarks()) inspection.remarks.push_back(OneLine(remark));
   for (const RowGroups& group : groups) {
@@ -652,6 +689,10 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
                                              group.column() + 1, OneLine(name, 20), group.count()));
   }
   inspection.rows = statistics.rows();
+  if (inspection.hand && inspection.rows == 0) {
+    throw UserError({.place = inspection.file,
+                     .problem = fmt::format("no row of the {} hand", inspection.hand->side)});
+  }
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     if (inspection.columns[c].kind == CellKind::kNumber) {
       inspection.columns[c].statistics = statistics.Column(c);

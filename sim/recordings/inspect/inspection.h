@@ -86,6 +86,7 @@ struct Inspection {
   Remedy remedy = Remedy::kInSentence;  // of the question
   bool asks_joints = false;             // the joints of the sensors answer the question
   std::optional<Senders> senders = std::nullopt;  // if two take turns
+  std::optional<HandRows> hand = std::nullopt;    // whose rows alone were read
   std::vector<InspectedColumn> columns;
   std::vector<double> picture_time_s;               // of some rows
   std::vector<std::vector<double>> picture_values;  // per column; empty without numbers
@@ -94,7 +95,9 @@ struct Inspection {
   std::vector<std::size_t> MappedColumns() const;
   /// Sensors of the hand, dead ones included.
   std::vector<std::size_t> Sensors() const;
-  /// True if the sensors are in deg or rad.
+  /// True for a column of texts that names a hand in each of the first rows.
+  bool NamesHands(std::size_t column) const;
+  /// True if the sensors are angles.
   bool HasAngles() const;
   /// Degrees per unit of these angles.
   double DegPerUnit() const;

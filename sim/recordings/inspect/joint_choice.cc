@@ -287,6 +287,19 @@ void CheckValues(const JointEvidence& evidence, const Profile& profile, const st
   }
 }
 
+/// Asks if the map of a profile takes the other hand than a person.
+void CheckHand(const JointEvidence& evidence, const Profile& profile, const std::string& hand,
+               JointChoice& choice) {
+  const std::string other = hand == "left" ? "right" : "left";
+  const bool takes_other = std::ranges::any_of(choice.columns, [&](std::size_t c) {
+    return ReadJointName(evidence.columns[c].name).side == other;
+  });
+  if (hand.empty() || !takes_other) return;
+  choice.question =
+      fmt::format("the map of {} takes the {} hand; name the columns of the {} one in it",
+                  profile.name, other, hand);
+}
+
 /// The unit of angles that the header of the file gives decides, unless the names say another. If
 /// the file only has to have one (`angle`), the size of the values decides.
 void UseUnitOfFile(const std::string& unit, ColumnFamily& family) {
@@ -674,6 +687,7 @@ JointChoice ChooseJoints(const JointEvidence& evidence, const JointOptions& opti
     const Profile& profile = *known.front();
     ChooseByProfile(evidence, profile, JointBasis::kProfile, choice);
     CheckValues(evidence, profile, options.unit, choice);
+    if (choice.question.empty()) CheckHand(evidence, profile, options.hand, choice);
     if (!choice.question.empty()) return choice;
     if (const auto beside = JointsBeside(evidence, profile, choice); !beside.empty()) {
       choice.question =

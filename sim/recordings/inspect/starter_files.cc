@@ -392,6 +392,11 @@ std::string StarterMap(const Inspection& inspection) {
         column.name.empty() ? "" : fmt::format(" '{}'", OneLine(column.name, 40));
     const bool is_time = !column.time_unit.empty();
     const bool is_row = IsRow(inspection, column);
+    if (inspection.hand && inspection.hand->column == c) {
+      map += fmt::format("{},{},,,,,,,{}\n", ColumnText(inspection, c), inspection.hand->side,
+                         std::string(keys.size(), ','));
+      continue;
+    }
     map += fmt::format("# column {}{}: {}{}{}\n", c + 1, shown, is_row ? "" : "left out, ",
                        is_time ? "the time, " + inspection.time_why : column.why,
                        is_row && column.basis == JointBasis::kAssumed ? " (assumed)" : "");

@@ -285,10 +285,11 @@ std::string AlternatingQuestion(const Inspection& inspection, std::span<const Ro
     const std::string& name = inspection.columns[group.column()].name;
     const bool names_hands = HasWordOf(WordsOf(name), "hand handedness side");
     if (!group.Alternate() && !(names_hands && group.count() == 2)) continue;
-    return fmt::format(
-        "rows of {} hands or devices{} (column {} '{}'); keep those of one in a file",
-        group.count(), group.Alternate() ? " alternate" : "", group.column() + 1,
-        OneLine(name, 20));
+    return fmt::format("rows of {} hands or devices{} (column {} '{}'); {}", group.count(),
+                       group.Alternate() ? " alternate" : "", group.column() + 1, OneLine(name, 20),
+                       inspection.NamesHands(group.column())
+                           ? "--hand left or --hand right takes one"
+                           : "keep those of one in a file");
   }
   return "";
 }
