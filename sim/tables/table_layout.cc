@@ -226,9 +226,24 @@ void CheckWidths(const std::string& name, const std::vector<Line>& lines, std::s
   }
 }
 
+/// True for a line with the name of the first column alone, as pandas writes it below the names of
+/// all others.
+bool NamesFirstOnly(const std::vector<std::string>& names) {
+  constexpr std::size_t kFewest = 3;
+  return names.size() >= kFewest && !names.front().empty() &&
+         std::all_of(names.begin() + 1, names.end(),
+                     [](const std::string& name) { return name.empty(); });
+}
+
 /// Finds the column names in the lines above the first row, beginning with the nearest.
 void FindNames(const std::string& file, const std::vector<Line>& lines, std::size_t first_row,
                TableLayout& layout) {
+  std::string first_name;
+  const auto use_numbers = [&] {  // of columns, as the names are of several lines
+    layout.has_header = false;
+    layout.skipped_lines = static_cast<int>(lines[first_row].line.number - 1);
+    if (!first_name.empty()) layout.names.front() = first_name;
+  };
   std::size_t line = first_row;
   while (line-- > 0) {
     const bool nearest = layout.names.empty();
@@ -239,6 +254,16 @@ void FindNames(const std::string& file, const std::vector<Line>& lines, std::siz
     if (nearest) CheckDecimalCommas(file, lines[line], lines[first_row]);
     auto [names, is_header] = NamesIn(lines[line], nearest, layout);
     if (names.empty() || AreValues(names, layout.separator)) return;
+    if (nearest && line > 0 && first_name.empty() && NamesFirstOnly(names) &&
+        lines[line - 1].values == 0 && lines[line - 1].cells.size() == names.size()) {
+      first_name = names.front();
+      continue;
+    }
+    if (nearest && !first_name.empty()) {
+      layout.names = std::move(names);
+      use_numbers();
+      continue;
+    }
     if (nearest) {
       layout.has_header = is_header;
       if (is_header) layout.skipped_lines = static_cast<int>(lines[line].line.number - 1);
@@ -261,17 +286,18 @@ void FindNames(const std::string& file, const std::vector<Line>& lines, std::siz
       continue;
     }
     names = WithGroups(std::move(names), layout.names);
-    if (std::ranges::any_of(
-            names, [](const std::string& name) { return name.empty() || IsValue(name, ','); })) {
+    // The first column may be an index without a name.
+    if (std::any_of(names.begin() + 1, names.end(),
+                    [](const std::string& name) { return name.empty() || IsValue(name, ','); })) {
       return;
     }
-    // Names above units: both are joined, and the reader must use column numbers.
+    // Names above units, or groups above names: both are joined.
     for (std::size_t i = 0; i < names.size(); ++i) {
-      names[i] += (layout.names[i].empty() ? "" : " ") + layout.names[i];
+      const bool is_one = names[i].empty() || layout.names[i].empty();
+      names[i] += (is_one ? "" : " ") + layout.names[i];
     }
     layout.names = std::move(names);
-    layout.has_header = false;
-    layout.skipped_lines = static_cast<int>(lines[first_row].line.number - 1);
+    use_numbers();
     return;
   }
 }

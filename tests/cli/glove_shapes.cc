@@ -971,6 +971,46 @@ void AddLedOn(Shapes& shapes) {
        {{"persons_frames_index_mcp", "index_mcp"}, {"persons_frames_index_pip", "index_pip"}}});
 }
 
+/// Values of one sensor a row, and names in several lines.
+void AddLongAndTwoLevels(Shapes& shapes) {
+  std::string turns = "time,sensor,value\n", behind = turns, pairs = "time,joint,angle,speed\n";
+  const auto cells = [](int row, int i) {
+    return fmt::format("{:.2f},{},{:.3f}", 0.01 * row, kFingers[i], AngleDeg(row, i));
+  };
+  for (int row = 0; row < kRows; ++row) {
+    for (int i = 0; i < 5; ++i) {
+      turns += cells(row, i) + "\n";
+      pairs += cells(row, i) + fmt::format(",{:.3f}\n", Noise(row, i));
+    }
+  }
+  for (int i = 0; i < 5; ++i) {
+    for (int row = 0; row < kRows; ++row) behind += cells(row, i) + "\n";
+  }
+  const auto ask = [&](const char* name, const std::string& text, const char* question) {
+    shapes.push_back({name, text});
+    shapes.back().question = question;
+    shapes.back().map_answers = false;
+  };
+  constexpr const char* kPivot = "pivot(index='time', columns='sensor', values='value')";
+  ask("long_turns", turns, kPivot);
+  ask("long_behind", behind, kPivot);
+  ask("long_pairs", pairs,
+      "column 2 'joint' names the sensor of each row; write a column for each");
+  const auto two = [&](const char* name, const std::string& head, bool has_time) {
+    const auto time = [=](int row) {
+      return has_time ? fmt::format("{:.2f},", 0.01 * row) : std::string();
+    };
+    shapes.push_back({name, TwoJoints(head, time, AngleDeg), has_time ? 100.0 : 50.0, "deg"});
+    for (const int joint : {0, 1}) {
+      shapes.back().joints[std::to_string(joint + (has_time ? 2 : 1))] =
+          joint == 0 ? "index_pip" : "middle_pip";
+    }
+  };
+  two("levels_named", "finger,index,middle\njoint,pip,pip\ntime,,\n", true);
+  two("levels_first", ",index,middle\ntime,pip,pip\n", true);
+  two("levels", "index,middle\npip,pip\n", false);
+}
+
 /// Units in names: those of angles, with a prefix, too, and others, which are no angles.
 void AddUnits(Shapes& shapes) {
   const auto fingers = [](const std::string& unit, double per_deg, double zero) {
@@ -1032,6 +1072,7 @@ std::vector<GloveShape> GloveShapes() {
   AddClocks(shapes);
   AddLedOn(shapes);
   AddUnits(shapes);
+  AddLongAndTwoLevels(shapes);
   return shapes;
 }
 

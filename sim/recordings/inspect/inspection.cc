@@ -56,7 +56,7 @@ bool NamesDevices(const std::string& name, CellKind kind) {
     return !words.empty() && IsWordOf("handedness side device id track", words.back());
   }
   return kind == CellKind::kText &&
-         HasWordOf(words, "hand handedness side device sensor glove servo motor joint id track");
+         (HasWordOf(words, "hand handedness side device glove id track") || NamesValues(name));
 }
 
 /// Columns that may tell hands, devices or sessions apart by their names.
@@ -595,8 +595,9 @@ void FindJoints(const std::vector<RowGroups>& groups, const TimeGuess& time,
   UnwrapTurns(inspection);
   GuessSign(inspection);
   inspection.is_between_bones = AreBetweenBones(inspection);
-  // Rows of two senders are to be recorded again, whatever their joints are.
-  if (inspection.question.empty() || inspection.senders) {
+  // Rows of two senders are to be recorded again, whatever their joints are, and rows of one value
+  // to be written in columns.
+  if (inspection.question.empty() || inspection.senders || IsLongTable(inspection, groups)) {
     const StopQuestion stop = FindStopQuestion(inspection, groups, map.has_value());
     inspection.question = stop.sentence;
     inspection.remedy = stop.remedy;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "sim/base/channels.h"
@@ -279,6 +280,48 @@ std::string RateBeyondQuestion(const Inspection& inspection, std::span<const Row
       rate_hz);
 }
 
+/// Columns of numbers that are no time, label or number of a row.
+std::vector<std::size_t> ValuesOf(const Inspection& inspection) {
+  std::vector<std::size_t> values;
+  for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
+    using enum Quantity;
+    const InspectedColumn& is = inspection.columns[c];
+    const bool is_aside = is.is_time || is.quantity == kTime || is.quantity == kNumber ||
+                          is.quantity == kLabel || is.quantity == kNothing;
+    if (is.kind == CellKind::kNumber && !is_aside) values.push_back(c);
+  }
+  return values;
+}
+
+/// The column that names the sensor of each row, if there are several.
+std::optional<std::size_t> NamesOfValues(const Inspection& inspection,
+                                         std::span<const RowGroups> groups) {
+  for (const RowGroups& group : groups) {
+    const InspectedColumn& column = inspection.columns[group.column()];
+    if (column.kind != CellKind::kText || group.count() < 2 || !NamesValues(column.name)) continue;
+    if (group.Alternate() || ValuesOf(inspection).size() == 1) return group.column();
+  }
+  return std::nullopt;
+}
+
+/// A sentence if each row has the values of one sensor.
+std::string LongTableQuestion(const Inspection& inspection, std::span<const RowGroups> groups) {
+  const auto names = NamesOfValues(inspection, groups);
+  if (!names) return "";
+  const auto shown = [&](std::size_t c) { return OneLine(inspection.columns[c].name, 20); };
+  const std::vector<std::size_t> values = ValuesOf(inspection);
+  const auto time = std::ranges::find_if(inspection.columns, &InspectedColumn::is_time);
+  std::string way;
+  if (values.size() == 1 && time != inspection.columns.end()) {
+    way = fmt::format(
+        ", as pandas does: pd.read_csv(FILE).pivot(index='{}', columns='{}', values='{}')"
+        ".to_csv(NEW)",
+        OneLine(time->name, 20), shown(*names), shown(values.front()));
+  }
+  return fmt::format("column {} '{}' names the sensor of each row; write a column for each{}",
+                     *names + 1, shown(*names), way);
+}
+
 /// A sentence if rows of several hands or devices take turns.
 std::string AlternatingQuestion(const Inspection& inspection, std::span<const RowGroups> groups) {
   for (const RowGroups& group : groups) {
@@ -313,6 +356,7 @@ struct StopRule {
 
 /// The first sentence counts.
 constexpr StopRule kStopRules[] = {
+    {LongTableQuestion, Remedy::kInSentence, true},
     {AlternatingQuestion, Remedy::kInSentence, true},
     {SendersQuestion, Remedy::kInSentence, true},
     {RateBeyondQuestion, Remedy::kMap, true},
@@ -331,6 +375,15 @@ constexpr StopRule kStopRules[] = {
 };
 
 }  // namespace
+
+bool NamesValues(const std::string& name) {
+  return HasWordOf(WordsOf(name),
+                   "sensor sensors joint joints channel finger servo motor variable signal");
+}
+
+bool IsLongTable(const Inspection& inspection, std::span<const RowGroups> groups) {
+  return NamesOfValues(inspection, groups).has_value();
+}
 
 StopQuestion FindStopQuestion(const Inspection& inspection, std::span<const RowGroups> groups,
                               bool has_map) {

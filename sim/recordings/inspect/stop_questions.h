@@ -14,6 +14,11 @@ struct StopQuestion {
   Remedy remedy = Remedy::kInSentence;
 };
 
+/// True for the name of a column that names the sensor or joint of each row.
+bool NamesValues(const std::string& name);
+/// True if each row has the value of one sensor, which a column names.
+bool IsLongTable(const Inspection& inspection, std::span<const RowGroups> groups);
+
 /// The question if a recording cannot be played as it is understood. `groups`: of columns that may
 /// tell hands, devices or sessions apart. `has_map`: a person named time and joints.
 StopQuestion FindStopQuestion(const Inspection& inspection, std::span<const RowGroups> groups,
