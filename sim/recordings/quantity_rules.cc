@@ -131,6 +131,8 @@ constexpr QuantityRule kRules[] = {
     {"distance", kPosition, Unit::kUnknown, false,
      "distance dist length m mm cm metre metres meter meters aperture height width", Any,
      "a distance, by its name", "apertures of motion capture"},
+    {"rotation_axes", kOrientation, Unit::kUnknown, false, "rotation rotations rot", IsVector,
+     "a rotation about x, y and z", "RightDigit2Proximal_rotation_x of Rokoko"},
     {"position", kPosition, Unit::kUnknown, false, "", IsVector, "a vector in space: x, y, z",
      "Thumb_MCP_Position_X of Manus, landmarks of MediaPipe"},
     {"plane", kPosition, Unit::kUnknown, false, "", IsInPlane, "a point in a plane: x, y",

@@ -63,6 +63,7 @@ RecordingReader::RecordingReader(std::string name, TableInput input, const Recor
   for (const TimeMapping& time : map_.time) {
     used[time.column] = true;
     if (time.is_text) csv_->ReadAsTime(time.column);
+    if (time.is_text) midnight_ = MidnightClock(true);
   }
   own_counts_ = OwnCountsOf(map_, format.nominal);
   for (const ColumnMapping& mapping : map_.channels) {
@@ -164,7 +165,7 @@ bool RecordingReader::FixTime(double& time_s) {
     ReportHere(RecordingProblem::kTimeOutOfRange, column, fmt::format("the time is {} s", given_s));
     return false;
   }
-  time_s = given_s + clock_offset_s_;
+  time_s = midnight_.Add(given_s) + clock_offset_s_;
   if (good_rows_ == 0) return true;
   const double step_s = time_s - last_time_s_;
   if (GoesOn(handling_) && IsWildTime(step_s)) {
@@ -203,7 +204,7 @@ bool RecordingReader::IsWildTime(double step_s) {
     next_row_ = csv_->row();
   }
   if (!has_next_) return std::abs(step_s) > kClockRestart_s;
-  const double next_s = GivenTimeS(next_values_) + clock_offset_s_;
+  const double next_s = MidnightClock(midnight_).Add(GivenTimeS(next_values_)) + clock_offset_s_;
   const double next_step_s = next_s - last_time_s_;
   return next_step_s > 0.0 && next_step_s <= longest_step_s;
 }
@@ -240,6 +241,7 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
 
 std::vector<std::string> RecordingReader::Remarks() const {
   std::vector<std::string> remarks = notes_;
+  if (midnight_.midnights() > 0) remarks.emplace_back(kPastMidnight);
   for (std::string& remark : csv_->remarks()) remarks.push_back(OneLine(remark));
   for (const auto& [problem, count] : problems_) remarks.push_back(Remark(problem, count));
   for (std::size_t i = 0; i < channels_.size(); ++i) {

@@ -13,6 +13,7 @@
 #include "sim/recordings/channel_values.h"
 #include "sim/recordings/column_map.h"
 #include "sim/recordings/column_scale.h"
+#include "sim/recordings/time_guess.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/missing.h"
 
@@ -111,6 +112,7 @@ class RecordingReader {
   double last_time_s_ = 0.0;
   double last_step_s_ = 0.0;
   double clock_offset_s_ = 0.0;
+  MidnightClock midnight_;
   std::size_t good_rows_ = 0;
   bool restarted_ = false;
   std::size_t repaired_rows_ = 0;

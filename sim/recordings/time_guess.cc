@@ -222,6 +222,15 @@ TimeGuess GuessOf(std::size_t column, const std::string& name, double first, dou
 
 }  // namespace
 
+double MidnightClock::Add(double time_s) {
+  constexpr double kDay_s = 86400.0;
+  constexpr double kNearly_s = 82800.0;
+  if (!has_clock_ || !std::isfinite(time_s)) return time_s;
+  if (last_s_ < kDay_s && time_s >= 0.0 && last_s_ - time_s > kNearly_s) ++midnights_;
+  last_s_ = time_s;
+  return time_s + midnights_ * kDay_s;
+}
+
 double SecondsPer(const std::string& time_unit) { return SecondsPerUnit(time_unit).value_or(1.0); }
 
 TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
@@ -266,8 +275,10 @@ TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
     }
   }
   if (nameless.why.empty() || !best.question.empty()) return best;
-  if (nameless.asked == 0U && layout.names.front().empty() && unit.empty() &&
-      IsRateOfGlove(nameless_step, "s") && nameless_step <= kLongest_s) {
+  const std::string& first = layout.names.front();
+  const bool is_nameless = first.empty() || first.starts_with("Unnamed: ");  // of pandas
+  if (nameless.asked == 0U && is_nameless && unit.empty() && IsRateOfGlove(nameless_step, "s") &&
+      nameless_step <= kLongest_s) {
     return {.parts = {{0, "s"}},
             .why = "the first column, without a name, rises as a time does; s assumed",
             .is_named = false,

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/recordings/column_map.h"
@@ -23,6 +24,21 @@ struct TimeGuess {
   std::optional<std::size_t> asked = {};  // the column that the question is about
   bool is_named = true;                   // false: found by its values alone
   bool unit_is_assumed = false;           // s, of a first column without a name
+};
+
+inline constexpr std::string_view kPastMidnight = "the clock goes past midnight: 24 h are added";
+/// Clocks without a date go on over midnight: 24 h are added where one falls by nearly as much.
+class MidnightClock {
+ public:
+  MidnightClock() = default;  // of times that are no clocks: they stay as they are
+  explicit MidnightClock(bool has_clock) : has_clock_(has_clock) {}
+  double Add(double time_s);
+  int midnights() const { return midnights_; }
+
+ private:
+  bool has_clock_ = false;
+  double last_s_ = 0.0;
+  int midnights_ = 0;
 };
 
 /// Finds the time columns by their names and first rows. A column of numbers has the unit `unit`,

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <functional>
+#include <set>
 
 #include "sim/tables/time_columns.h"
 
@@ -16,6 +17,13 @@ constexpr std::array<Meaning, 5> kFingers = {
      {"middle", "middle mid mf mfj"},
      {"ring", "ring rf rfj"},
      {"little", "little pinky pinkie pink small lf lfj"}}};
+
+constexpr std::array<Meaning, 5> kFingersElsewhere = {
+    {{"thumb", "pollice pouce pulgar daumen polegar duim"},
+     {"index", "indice ndice zeigefinger wijsvinger"},  // ndice: behind an accent
+     {"middle", "medio majeur medius mittelfinger middelvinger"},
+     {"ring", "anulare annulaire anular ringfinger ringvinger"},
+     {"little", "mignolo auriculaire menique kleiner pinkvinger minimo"}}};
 
 constexpr std::array<Meaning, 5> kJoints = {
     {{"mcp", "mcp mpj knuckle proximal inner near"},
@@ -103,6 +111,47 @@ std::vector<std::string> WithFingers(std::vector<std::string> names) {
     name.replace(letter, 1, kFingers[std::min(finger, kFingers.size() - 1)].means);
   }
   return names;
+}
+
+namespace {
+
+std::string Joined(const std::vector<std::string>& words) {
+  std::string name;
+  for (const std::string& word : words) name += (name.empty() ? "" : "_") + word;
+  return name;
+}
+
+}  // namespace
+
+std::vector<std::string> WithDigits(std::vector<std::string> names) {
+  for (std::string& name : names) {
+    std::vector<std::string> words = WordsOf(name);
+    const auto digit = std::ranges::find(words, "digit");
+    if (digit == words.end() || digit + 1 == words.end()) continue;
+    const std::string& number = *(digit + 1);
+    if (number.size() != 1 || number < "1" || number > "5") continue;
+    *digit = kFingers[static_cast<std::size_t>(number.front() - '1')].means;
+    words.erase(digit + 1);
+    name = Joined(words);
+  }
+  return names;
+}
+
+std::vector<std::string> InEnglish(const std::vector<std::string>& names) {
+  constexpr std::size_t kFewest = 3;
+  std::vector<std::string> english = names;
+  std::set<std::string_view> fingers;
+  for (std::string& name : english) {
+    std::vector<std::string> words = WordsOf(name);
+    for (std::string& word : words) {
+      const std::string_view finger = MeaningOf(kFingersElsewhere, word);
+      if (finger.empty()) continue;
+      fingers.insert(finger);
+      word = finger;
+      name = Joined(words);
+    }
+  }
+  return fingers.size() < kFewest ? std::vector<std::string>() : english;
 }
 
 std::string_view FingerOf(std::string_view word) { return MeaningOf(kFingers, word); }

@@ -22,6 +22,13 @@ std::vector<std::string> WordsOf(std::string_view name);
 /// CyberGlove, where all five stand in front: R and L are no sides there.
 std::vector<std::string> WithFingers(std::vector<std::string> names);
 
+/// The names with a finger in place of each `digit 1` (thumb) to `digit 5`, as of Rokoko.
+std::vector<std::string> WithDigits(std::vector<std::string> names);
+
+/// The names with fingers in English, if three or more are named in Italian, French, Spanish,
+/// German, Portuguese or Dutch; else none.
+std::vector<std::string> InEnglish(const std::vector<std::string>& names);
+
 /// True if one of `words` is in the list, which has blanks between its words.
 bool HasWordOf(const std::vector<std::string>& words, std::string_view list);
 

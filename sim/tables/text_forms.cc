@@ -43,8 +43,9 @@ bool NextRecord(TextLines& lines, std::string& record) {
   std::string_view line;
   if (!lines.Next(line)) return false;
   record = line;
-  const auto is_open = [&record] {
-    return std::ranges::count(record, '[') > std::ranges::count(record, ']');
+  const auto is_open = [&record] {  // a colour has a bracket, too
+    return record.find('\x1b') == std::string::npos &&
+           std::ranges::count(record, '[') > std::ranges::count(record, ']');
   };
   for (int i = 0; i < kMostLines && is_open() && lines.Next(line); ++i) {
     record.append(" ").append(line);
@@ -54,8 +55,30 @@ bool NextRecord(TextLines& lines, std::string& record) {
 
 // --- Labels in the cells -------------------------------------------------------------------------
 
+/// Takes `I (1020) TAG:` off, as ESP-IDF logs begin, maybe behind a colour: milliseconds since the
+/// start, returned in seconds.
+std::optional<std::string> TakeLogTime(std::string_view& line) {
+  std::string_view rest = line;
+  if (rest.starts_with("\x1b[")) rest.remove_prefix(std::min(rest.find('m'), rest.size() - 1) + 1);
+  constexpr std::string_view kLevels = "EWIDV";
+  if (rest.size() < 3 || kLevels.find(rest[0]) == kLevels.npos || rest.substr(1, 2) != " (") {
+    return std::nullopt;
+  }
+  const std::size_t end = rest.find(") ");
+  const std::size_t colon = rest.find(": ");
+  if (end == rest.npos || colon == rest.npos || colon < end) return std::nullopt;
+  const auto ms = controller::ParseWholeNumber(rest.substr(3, end - 3), 0, INT64_MAX / 2);
+  if (!ms) return std::nullopt;
+  line = rest.substr(colon + 2);
+  if (const std::size_t colour = line.find('\x1b'); colour != line.npos) {
+    line = line.substr(0, colour);
+  }
+  return fmt::format("{:.3f}", 1e-3 * static_cast<double>(*ms));
+}
+
 /// Takes the clock or date off that a program for serial ports or logs writes before its text.
 std::optional<std::string> TakeClockBefore(std::string_view& line) {
+  if (auto time_s = TakeLogTime(line)) return time_s;
   for (const std::string_view mark : {"->", " - ", "]", "|"}) {
     const std::size_t end = line.find(mark);
     if (end == std::string_view::npos) continue;
@@ -128,7 +151,9 @@ std::optional<TextForm> LabelledForm(const std::vector<std::string>& head) {
 /// The cells of a line behind `CLOCK ->`, the clock first. None without one.
 std::optional<Cells> ClockedCells(std::string_view line) {
   const std::size_t arrow = line.find("->");
-  if (arrow == std::string_view::npos && !line.starts_with('[')) return std::nullopt;
+  std::string_view rest = line;
+  const bool is_log = TakeLogTime(rest).has_value();
+  if (arrow == std::string_view::npos && !line.starts_with('[') && !is_log) return std::nullopt;
   auto clock = TakeClockBefore(line);
   if (!clock && arrow != std::string_view::npos && IsNumber(line.substr(0, arrow))) {
     clock = std::string(Trimmed(line.substr(0, arrow)));  // seconds since the start

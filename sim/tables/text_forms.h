@@ -19,7 +19,8 @@ using ListNames = std::map<std::string, std::vector<std::string>>;
 /// A table of one value per cell from texts in other forms; all other texts as they are:
 ///
 /// - labels in the cells, as the serial plotter of Arduino: `10:15:00.0 -> Thumb:300 Index:4`
-/// - rows behind a clock, as the serial monitor of Arduino: `10:15:00.0 -> 300,4`
+/// - rows behind a clock, as the serial monitor of Arduino: `10:15:00.0 -> 300,4`, or both behind
+///   the milliseconds of a log of ESP-IDF: `I (1020) GLOVE: Thumb=300`
 /// - lists in the cells, as LeRobot by pandas: `0,[1.5 2.5],0.1`; `action` becomes `action_1` ..,
 ///   or `action.wrist` .. where `known` has as many names
 /// - a row per channel: turned. A row of zeros in front, of an index, is left out.

@@ -1011,6 +1011,80 @@ void AddLongAndTwoLevels(Shapes& shapes) {
   two("levels", "index,middle\npip,pip\n", false);
 }
 
+/// Names and clocks of other languages and tools.
+void AddNamesElsewhere(Shapes& shapes) {
+  const auto fingers = [](const std::string& time, const std::vector<std::string>& names) {
+    Table table;
+    if (!time.empty()) table.Add(time, Clock(0.01));
+    for (std::size_t i = 0; i < names.size(); ++i)
+      table.Add(names[i], Degrees(static_cast<int>(i)));
+    return table.Text(";");
+  };
+  const auto ask = [&](const char* name, std::string text, const char* question) {
+    shapes.push_back({name, std::move(text)});
+    shapes.back().question = question;
+  };
+  constexpr const char* kElsewhere = "columns 2 to 6 name fingers in another language";
+  ask("names_it", fingers("time", {"pollice", "indice", "medio", "anulare", "mignolo"}),
+      kElsewhere);
+  ask("names_fr", fingers("time", {"pouce", "index", "majeur", "annulaire", "auriculaire"}),
+      kElsewhere);
+  ask("names_es", fingers("tiempo", {"pulgar", "índice", "medio", "anular", "menique"}),
+      kElsewhere);
+  ask("names_de",
+      fingers("Zeit [s]", {"Daumen [°]", "Zeigefinger [°]", "Mittelfinger [°]", "Ringfinger [°]",
+                           "Kleiner Finger [°]"}),
+      kElsewhere);
+  std::vector<std::string> rotations;
+  for (const char* bone : {"1Proximal", "1Distal", "2Proximal", "2Distal"}) {
+    for (const char axis : {'x', 'y', 'z'}) {
+      rotations.push_back(fmt::format("RightDigit{}_rotation_{}", bone, axis));
+    }
+  }
+  ask("names_rotations", fingers("time", rotations),
+      "12 columns are rotations of bones about x, y and z");
+  shapes.push_back(
+      {"names_digits",
+       fingers("time", {"RightDigit1Distal_flexion_deg", "RightDigit2Proximal_flexion_deg",
+                        "RightDigit2Middle_flexion_deg"}),
+       100,
+       "deg",
+       {{"RightDigit1Distal_flexion_deg", "thumb_ip"},
+        {"RightDigit2Proximal_flexion_deg", "index_mcp"},
+        {"RightDigit2Middle_flexion_deg", "index_pip"}}});
+  const Joints two = {{"index_mcp", "index_mcp"}, {"index_pip", "index_pip"}};
+  shapes.push_back({"clocks_unnamed",
+                    TwoJoints(
+                        "Unnamed: 0,index_mcp,index_pip\n",
+                        [](int row) { return fmt::format("{:.2f},", 0.01 * row); }, AngleDeg),
+                    100, "deg", two});
+  shapes.push_back({"rises_unnamed",
+                    TwoJoints(
+                        "Unnamed: 0,index_mcp,index_pip\n",
+                        [](int row) { return fmt::format("{},", row); }, AngleDeg),
+                    50, "deg", two});
+  GloveShape midnight = {"clocks_midnight", "", 100, "counts"};
+  GloveShape log = {"clocks_esp_idf", "", 50, "counts"};
+  for (int row = 0; row < kRows; ++row) {
+    midnight.text += row < 50 ? fmt::format("23:59:59.{:02} -> ", 50 + row)
+                              : fmt::format("00:00:00.{:02} -> ", row - 50);
+    log.text += fmt::format("\x1b[0;32mI ({}) GLOVE: ", 1000 + 20 * row);
+    for (int i = 0; i < 5; ++i) {
+      const std::string value = Table::Cell(Counts(i, 1023)(row));
+      midnight.text += (i > 0 ? "," : "") + value;
+      log.text += fmt::format("{}{}={}", i > 0 ? ", " : "", kFingers[i], value);
+    }
+    midnight.text += "\n";
+    log.text += "\x1b[0m\n";
+  }
+  for (int i = 0; i < 5; ++i) {
+    midnight.joints[fmt::format("value_{}", i + 1)] = kFlex5[i];
+    log.joints[kFingers[i]] = kFlex5[i];
+  }
+  shapes.push_back(midnight);
+  shapes.push_back(log);
+}
+
 /// Units in names: those of angles, with a prefix, too, and others, which are no angles.
 void AddUnits(Shapes& shapes) {
   const auto fingers = [](const std::string& unit, double per_deg, double zero) {
@@ -1072,6 +1146,7 @@ std::vector<GloveShape> GloveShapes() {
   AddClocks(shapes);
   AddLedOn(shapes);
   AddUnits(shapes);
+  AddNamesElsewhere(shapes);
   AddLongAndTwoLevels(shapes);
   return shapes;
 }

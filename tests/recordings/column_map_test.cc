@@ -73,6 +73,24 @@ TEST_F(ColumnMaps, UndoJumpsOfAngles) {
   EXPECT_THAT(angles_deg, testing::ElementsAre(-10.0, -1.0, 5.0, 20.0, -10.0, -20.0));
 }
 
+TEST_F(ColumnMaps, GoOnOverMidnight) {
+  const std::string map = "column,channel,unit\n1,time,date\n2,index_mcp,deg\n";
+  const auto times_s = [&](const std::string& text) {
+    std::vector<double> times;
+    RecordingFormat format;
+    format.handling = ProblemHandling::kRepair;
+    for (const Row& row : Read(text, map, format)) times.push_back(row.time_s);
+    return times;
+  };
+  EXPECT_THAT(
+      times_s("23:59:59.98,1\n23:59:59.99,2\n00:00:00.01,3\n00:00:00.02,4\n"),
+      testing::Pointwise(testing::DoubleNear(1e-6), {86399.98, 86399.99, 86400.01, 86400.02}));
+  // A clock that starts anew elsewhere goes on by a usual step.
+  EXPECT_THAT(
+      times_s("22:00:00.00,1\n22:00:00.01,2\n10:00:00.00,3\n10:00:00.01,4\n"),
+      testing::Pointwise(testing::DoubleNear(1e-6), {79200.00, 79200.01, 79200.02, 79200.03}));
+}
+
 TEST_F(ColumnMaps, TakeTheRowsOfOneHand) {
   const std::string text =
       "time,hand,bend\n0,Left,1\n0,Right,2\n1,left_hand,3\n1,R,4\n2,,5\n2,\"right\",6\n3,both,7\n";

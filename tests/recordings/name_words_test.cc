@@ -22,6 +22,18 @@ TEST(WordsOf, TakesNamesApart) {
   EXPECT_THAT(WordsOf(""), ElementsAre());
 }
 
+TEST(WithDigits, CountsFromTheThumb) {
+  EXPECT_THAT(WithDigits({"RightDigit1Distal", "digit_5_flexion", "Digit6", "digit", "digits_2"}),
+              ElementsAre("right_thumb_distal", "little_flexion", "Digit6", "digit", "digits_2"));
+}
+
+TEST(InEnglish, NeedsThreeFingers) {
+  EXPECT_THAT(InEnglish({"t", "Daumen [°]", "Mittelfinger", "Kleiner Finger"}),
+              ElementsAre("t", "thumb_deg", "middle", "little_finger"));
+  EXPECT_THAT(InEnglish({"t", "pollice", "medio", "index"}), ElementsAre());
+  EXPECT_THAT(InEnglish({"thumb", "index", "middle", "ring", "little"}), ElementsAre());
+}
+
 TEST(WithFingers, TakesFiveLettersForFingersAndTwoForSides) {
   EXPECT_THAT(
       WithFingers({"time", "T_MPJ", "I_MPJ", "M_PIJ", "R_PIJ", "L_PIJ"}),

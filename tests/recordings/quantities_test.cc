@@ -103,6 +103,7 @@ std::vector<RuleRow> RulesOfRows() {
       {"quality", Fingers("_confidence", Between(0, 1)), Fingers("_share", Between(0, 1))},
       {"command", {{"goal_position", Between(0, 90)}}, {{"position", Between(0, 90)}}},
       {"distance", Fingers("_distance_mm", Between(0, 90)), Fingers("_bend", Between(0, 90))},
+      {"rotation_axes", Axes("index_rotation_", "xyz"), Axes("index_", "xyz")},
       {"position", Axes("thumb_tip_", "xyz"), {{"thumb_tip", Between(-9, 19)}}},
       {"plane", Axes("tip_", "xy"), Axes("tip_", "xyz")},
       {"foreign_name", {{"humidity", Between(0, 90)}}, {{"bend", Between(0, 90)}}},

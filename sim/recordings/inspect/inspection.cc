@@ -79,10 +79,16 @@ std::size_t ClockOf(const TimeGuess& time, const std::vector<InspectedColumn>& c
   return static_cast<std::size_t>(named - columns.begin());
 }
 
+MidnightClock ClockOfDay(const TimeGuess& time) {
+  return MidnightClock(
+      std::ranges::any_of(time.parts, [](const TimePart& part) { return part.unit == "date"; }));
+}
+
 /// Reads the whole table once.
 TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColumn>& columns,
                           const std::optional<HandRows>& hand, CsvReader& csv,
-                          std::vector<RowGroups>& groups, SenderWatch& senders) {
+                          MidnightClock& midnight, std::vector<RowGroups>& groups,
+                          SenderWatch& senders) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (columns[c].kind == CellKind::kText && !(hand && hand->column == c)) csv.ReadAsTexts(c);
     if (columns[c].kind == CellKind::kTime) csv.ReadAsTime(c);
@@ -93,6 +99,7 @@ TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColu
   while (csv.NextRow(values)) {
     double time_s = time.parts.empty() ? kNaN : 0.0;
     for (const TimePart& part : time.parts) time_s += values[part.column] * SecondsPer(part.unit);
+    time_s = midnight.Add(time_s);
     statistics.Add(time_s, values);
     const bool is_named = time.parts.empty() && clock < values.size();
     senders.Add(is_named ? *TimeScaleS(columns[clock].name) * values[clock] : time_s, values);
@@ -296,7 +303,9 @@ int BitsFor(double high) {
 std::vector<ColumnEvidence> EvidenceOf(const Inspection& inspection,
                                        const std::vector<std::size_t>& clocks) {
   std::vector<ColumnEvidence> evidence;
-  const std::vector<std::string> names = WithFingers(inspection.layout.names);
+  const std::vector<std::string> own = WithDigits(WithFingers(inspection.layout.names));
+  const std::vector<std::string> english = InEnglish(own);
+  const std::vector<std::string>& names = english.empty() ? own : english;
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
     const InspectedColumn& column = inspection.columns[c];
     evidence.push_back({.name = names[c],
@@ -365,11 +374,13 @@ void ComputeEnvelopeStatistics(const std::filesystem::path& file, TableInput tab
   TableStatistics statistics(envelopes.size());
   std::vector<double> values(reader.column_count());
   std::vector<double> active(envelopes.size());
+  MidnightClock midnight = ClockOfDay(time);
   for (double row = 0.0; reader.NextRow(values); ++row) {
     double time_s = inspection.has_time ? 0.0 : row / inspection.time.rate_hz;
     for (const TimePart& part : time.parts) {
       if (inspection.has_time) time_s += values[part.column] * SecondsPer(part.unit);
     }
+    time_s = midnight.Add(time_s);
     for (std::size_t i = 0; i < envelopes.size(); ++i) {
       active[i] = envelopes[i].second.Step(time_s, values[envelopes[i].first]);
     }
@@ -585,7 +596,8 @@ void FindJoints(const std::vector<RowGroups>& groups, const TimeGuess& time,
                             .families = families,
                             .angle_unit = angle_unit,
                             .format = FormatOfProfile(inspection.format),
-                            .duration_s = inspection.time.duration_s},
+                            .duration_s = inspection.time.duration_s,
+                            .is_translated = !InEnglish(inspection.layout.names).empty()},
                            options.joints, map, profiles),
               inspection);
   } catch (const UserError& error) {
@@ -679,9 +691,11 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   const TimeGuess time = map ? TimeOfMap(map->time) : TimeOf(inspection.layout, profiles, options);
   std::vector<RowGroups> groups = GroupsToWatch(inspection);
   SenderWatch senders(inspection.columns.size());
+  MidnightClock midnight = ClockOfDay(time);
   const TableStatistics statistics =
-      ReadTable(time, inspection.columns, inspection.hand, reader, groups, senders);
+      ReadTable(time, inspection.columns, inspection.hand, reader, midnight, groups, senders);
   inspection.is_whole = *is_whole;
+  if (midnight.midnights() > 0) inspection.remarks.emplace_back(kPastMidnight);
   for (const std::string& remark : reader.remarks()) inspection.remarks.push_back(OneLine(remark));
   for (const RowGroups& group : groups) {
     const std::string& name = inspection.columns[group.column()].name;

@@ -461,6 +461,11 @@ bool ChooseByNames(const JointEvidence& evidence, const JointOptions& options,
   if (!any_joint && choice.question.empty()) choice.question = "no name of a column is a joint's";
   if (choice.question.empty()) choice.question = UnitQuestion(choice);
   if (choice.question.empty() && options.unit.empty()) CheckUnitsOfNames(evidence, choice);
+  if (choice.question.empty() && evidence.is_translated) {
+    choice.question =
+        fmt::format("{} name fingers in another language; the map has the joints that they may be",
+                    ColumnsText(choice.columns));
+  }
   for (ColumnJoint& joint : choice.joints) {
     // A word that is not known may say that it is no angle of the joint.
     if (!other.empty()) joint.basis = JointBasis::kAssumed;
@@ -581,14 +586,20 @@ void ChooseMuscles(std::span<const ColumnFamily> families, JointChoice& choice) 
 
 /// Content of a table that has no sensors of a hand.
 std::string WithoutSensors(const JointEvidence& evidence) {
-  std::size_t positions = 0, in_plane = 0;
+  std::size_t positions = 0, in_plane = 0, rotations = 0;
   for (const ColumnFamily& family : evidence.families) {
+    rotations += family.rule == "rotation_axes" ? family.columns.size() : 0;
     positions += family.quantity == Quantity::kPosition ? family.columns.size() : 0;
     in_plane += family.facts.axes == "xy" ? family.columns.size() : 0;
   }
   if (in_plane > 0 && in_plane == positions) {
     return "x and y without z are points in an image, which have no angles; world landmarks have "
            "x, y and z";
+  }
+  if (rotations > 0) {
+    return fmt::format(
+        "{} columns are rotations of bones about x, y and z; --map names those that bend a joint",
+        rotations);
   }
   constexpr std::size_t kLeast = 9;  // of three points, the fewest that have an angle
   if (positions < kLeast) return "no column looks like a sensor of a hand";

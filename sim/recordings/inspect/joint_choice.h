@@ -27,6 +27,7 @@ struct JointEvidence {
   std::string angle_unit;                  // by the header: deg, rad, or angle; empty: none
   std::string format;                      // as in ProfileFacts
   double duration_s = 0.0;                 // of the rows
+  bool is_translated = false;              // names of fingers are in another language
 };
 
 /// The columns that drive the joints of one hand.
