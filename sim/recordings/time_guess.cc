@@ -201,7 +201,9 @@ std::string QuestionOf(std::size_t column, const std::string& name, double step)
 TimeGuess GuessOf(std::size_t column, const std::string& name, double first, double step) {
   const std::string_view named = UnitByName(name);
   const std::string_view of_date = UnitOfDate(first, step);
-  const bool names_time = TimeScaleS(name) == 1.0 || HasWordOf(WordsOf(name), "time timestamp");
+  const std::vector<std::string> words = WordsOf(name);
+  const bool names_time = TimeScaleS(name) == 1.0 || HasWordOf(words, "time timestamp") ||
+                          (!words.empty() && words.back() == "t");
   const bool is_s = names_time && step <= kLongest_s && IsRateOfGlove(step, "s");
   const std::string_view unit = !named.empty()     ? named
                                 : !of_date.empty() ? of_date

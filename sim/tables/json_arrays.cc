@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -13,6 +15,7 @@
 #include "sim/base/error.h"
 #include "sim/base/json.h"
 #include "sim/tables/missing.h"
+#include "sim/tables/name_words.h"
 #include "sim/tables/time_text.h"
 
 namespace gauntlet::sim {
@@ -100,16 +103,39 @@ std::vector<std::string> HandsOf(const Json& list, const Json* beside) {
   return hands;
 }
 
-/// Column by column what the rows have, each under the way to it.
+/// The hand that a text of a row names.
+std::string HandOfRow(const Json& row) {
+  for (const char* key : {"hand", "handedness", "side"}) {
+    const auto found = row.is_object() ? row.find(key) : row.end();
+    if (row.is_object() && found != row.end() && found->is_string()) return HandOf(*found);
+  }
+  return "";
+}
+
+/// Column by column what the rows have, each under the way to it. Rows of both hands are two
+/// tables.
 class RowCollector {
  public:
   void AddRow(const Json& row) {
+    const std::string hand = HandOfRow(row);
+    if (!hand.empty() && !is_of_hand_) {
+      std::unique_ptr<RowCollector>& of_hand = hands_[hand];
+      if (of_hand == nullptr) of_hand = std::make_unique<RowCollector>();
+      of_hand->is_of_hand_ = true;
+      of_hand->AddRow(row);
+      return;
+    }
     AddTo("", row, 0);
     ++rows_;
   }
   enum class Missing { kDropColumn, kKeepColumn };  // of a column without a number
   std::vector<NamedArray> Take(const std::string& path, Missing missing = Missing::kDropColumn) {
     std::vector<NamedArray> arrays;
+    const bool is_only = hands_.size() == 1 && rows_ == 0;
+    for (auto& [hand, rows] : hands_) {
+      std::vector<NamedArray> more = rows->Take(is_only ? path : Join(path, hand), missing);
+      std::ranges::move(more, std::back_inserter(arrays));
+    }
     for (const std::string& name : order_) {
       std::vector<double>& values = columns_[name];
       values.resize(rows_, kMissing);
@@ -124,6 +150,19 @@ class RowCollector {
   }
 
  private:
+  /// Texts that tell sessions or persons apart are numbered.
+  std::optional<double> NumberOrPart(const std::string& path, const Json& value) {
+    const auto number = NumberOf(value);
+    if (number || !value.is_string() || !NamesParts(path)) return number;
+    std::vector<std::string>& parts = parts_[path];
+    const auto text = value.get<std::string>();
+    const auto found = std::ranges::find(parts, text);
+    if (found == parts.end() && parts.size() == kMostParts) return std::nullopt;
+    const auto place = static_cast<double>(found - parts.begin());
+    if (found == parts.end()) parts.push_back(text);
+    return place;
+  }
+
   /// `beside`: list of the hands of the items, if there is one.
   void AddTo(const std::string& path, const Json& value, int depth, const Json* beside = nullptr) {
     if (depth > kDeepest) throw UserError("is nested too deeply");
@@ -139,7 +178,7 @@ class RowCollector {
         const std::string name = hands.empty() ? std::to_string(i + 1) : hands[i];
         AddTo(Join(path.empty() ? "value" : path, name), value[i], depth + 1);
       }
-    } else if (const auto number = NumberOf(value)) {
+    } else if (const auto number = NumberOrPart(path, value)) {
       const auto [column, is_new] = columns_.try_emplace(path);
       if (is_new) order_.push_back(path);
       if (order_.size() > kMostColumns) {
@@ -150,6 +189,10 @@ class RowCollector {
     }
   }
 
+  static constexpr std::size_t kMostParts = 1000;
+  bool is_of_hand_ = false;
+  std::map<std::string, std::unique_ptr<RowCollector>> hands_;
+  std::map<std::string, std::vector<std::string>> parts_;
   std::size_t rows_ = 0;
   std::vector<std::string> order_;
   std::map<std::string, std::vector<double>> columns_;

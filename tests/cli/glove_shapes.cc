@@ -910,6 +910,17 @@ void AddLedOn(Shapes& shapes) {
       TwoJoints("time,index_mcp_rad,index_pip_rad\n", time,
                 [&](int row, int sensor) { return from_straight_deg(row, sensor) * kPi / 180.0; }),
       "angles between bones, 180 deg where straight, are as in the map");
+  ask("straight_one",
+      TwoJoints("time,index_mcp,index_pip\n", time,
+                [&](int row, int sensor) {
+                  return sensor == 1 ? AngleDeg(row, sensor) : from_straight_deg(row, sensor);
+                }),
+      "column 3: index_pip of 100 % of the rows is outside its range, 0 to 100 deg; angles between "
+      "bones, 180 deg where straight, are as in the map");
+  ask("straight_bent",
+      TwoJoints("time,index_mcp,index_pip\n", time,
+                [&](int row, int sensor) { return 120.0 - 0.6 * AngleDeg(row, sensor); }),
+      "of the rows is outside its range, -45 to 90 deg; the unit [deg] or the joint is another");
   const auto percent = [](int row, int sensor) { return 2.0 + 96.0 * Shares(sensor)(row); };
   ask("action_percent",
       TwoJoints("timestamp,action.thumb_mcp.pos,action.thumb_ip.pos\n", time, percent),
@@ -963,6 +974,28 @@ void AddLedOn(Shapes& shapes) {
     persons += fmt::format(R"({}{{"time": {:.2f}, "index_mcp": {:.3f}, "index_pip": {:.3f}}})",
                            row > 0 ? ", " : "", 0.01 * row, AngleDeg(row, 1), AngleDeg(row, 2));
   }
+  // Rows of both hands, or of several persons, in one list.
+  const auto rows_of = [&](const char* key, const char* first, const char* second) {
+    std::string rows;
+    for (int k = 0; k < 2 * kRows; ++k) {
+      rows += fmt::format(
+          R"({}{{"time": {:.2f}, "{}": "{}", "index_mcp": {:.3f}, "index_pip": {:.3f}}})",
+          k > 0 ? ", " : "[", 0.01 * (k % kRows), key, k < kRows ? first : second, AngleDeg(k, 1),
+          AngleDeg(k, 2));
+    }
+    return rows + "]";
+  };
+  ask("json_hands", rows_of("hand", "Left", "Right"), "--hand left or --hand right");
+  shapes.push_back({"json_hand",
+                    rows_of("hand", "Right", "Right"),
+                    100,
+                    "deg",
+                    {{"index_mcp", "index_mcp"}, {"index_pip", "index_pip"}}});
+  shapes.push_back({"json_people",
+                    rows_of("person", "A", "B"),
+                    100,
+                    "deg",
+                    {{"index_mcp", "index_mcp"}, {"index_pip", "index_pip"}}});
   shapes.push_back(
       {"json_persons",
        persons + "]}]}",

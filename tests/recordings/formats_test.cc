@@ -167,6 +167,18 @@ TEST(Json, OfEveryShapeIsATable) {
   EXPECT_EQ(table_of("{\"t\": 0, \"a\": 1}\n\n{\"t\": 1, \"a\": true}\n"), "t,a\n0,1\n1,1\n");
 }
 
+TEST(Json, KeepsTheRowsOfHandsAndOfPersonsApart) {
+  const auto table_of = [](const char* json) { return TableOf(ReadJsonArrays(json)); };
+  EXPECT_EQ(table_of("{\"hand\": \"Right\", \"a\": 1}\n{\"hand\": \"left\", \"a\": 2}\n"
+                     "{\"hand\": \"left\", \"a\": 3}\n{\"hand\": \"Right\", \"a\": 4}\n"),
+            "left_a,right_a\n2,1\n3,4\n");
+  EXPECT_EQ(table_of(R"([{"side": "right", "a": 1}, {"side": "right", "a": 2}])"), "a\n1\n2\n");
+  EXPECT_EQ(table_of(R"([{"hand": "both", "a": 1}, {"hand": "none", "a": 2}])"), "a\n1\n2\n");
+  EXPECT_EQ(
+      table_of(R"([{"person": "B", "a": 1}, {"person": "A", "a": 2}, {"person": "B", "a": 3}])"),
+      "person,a\n0,1\n1,2\n0,3\n");
+}
+
 TEST(Json, ThatIsBrokenNamesItsLine) {
   EXPECT_THAT(ErrorOf([] { ReadJsonArrays("{\"a\": 1}\n{\"a\":"); }), HasSubstr("line 2"));
   const std::string deep(100'000, '[');

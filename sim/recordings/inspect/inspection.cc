@@ -495,25 +495,30 @@ void UnwrapTurns(Inspection& inspection) {
   }
 }
 
-/// True if most joints come near half a turn, beyond which no joint bends, and none goes below 0.
-bool AreBetweenBones(const Inspection& inspection) {
+/// Marks joints that come near half a turn, beyond which no joint bends, and never go below 0; all
+/// if most do.
+void MarkAnglesFromStraight(Inspection& inspection) {
   constexpr double kNearStraight_deg = 140.0;
   constexpr double kMost_deg = 190.0;
-  if (!inspection.HasAngles() || HasMappings(inspection)) return false;
+  if (!inspection.HasAngles() || HasMappings(inspection)) return;
   const std::vector<std::size_t> joints = inspection.MappedColumns();
-  const auto straight = std::ranges::count_if(joints, [&](std::size_t c) {
+  const auto is_straight = [&](std::size_t c) {
     const ColumnStatistics& is = inspection.columns[c].statistics;
     const double high_deg = inspection.DegPerUnit() * is.usual_high;
     return is.usual_low >= 0.0 && high_deg > kNearStraight_deg && high_deg < kMost_deg;
-  });
-  return 2 * straight > std::ssize(joints);
+  };
+  const bool are_most = 2 * std::ranges::count_if(joints, is_straight) > std::ssize(joints);
+  for (const std::size_t c : joints) {
+    inspection.columns[c].is_from_straight = are_most || is_straight(c);
+  }
 }
 
 /// Signs and offsets that the map offers for such angles.
 void OfferAnglesFromStraight(Inspection& inspection) {
-  for (const std::size_t c : inspection.MappedColumns()) {
-    inspection.columns[c].is_inverted = true;
-    inspection.columns[c].added = 180.0 / (inspection.unit == RawUnit::kDegrees ? 1.0 : kDegPerRad);
+  for (InspectedColumn& column : inspection.columns) {
+    if (!column.is_from_straight) continue;
+    column.is_inverted = true;
+    column.added = 180.0 / (inspection.unit == RawUnit::kDegrees ? 1.0 : kDegPerRad);
   }
 }
 
@@ -606,7 +611,7 @@ void FindJoints(const std::vector<RowGroups>& groups, const TimeGuess& time,
   }
   UnwrapTurns(inspection);
   GuessSign(inspection);
-  inspection.is_between_bones = AreBetweenBones(inspection);
+  MarkAnglesFromStraight(inspection);
   // Rows of two senders are to be recorded again, whatever their joints are, and rows of one value
   // to be written in columns.
   if (inspection.question.empty() || inspection.senders || IsLongTable(inspection, groups)) {
@@ -614,8 +619,7 @@ void FindJoints(const std::vector<RowGroups>& groups, const TimeGuess& time,
     inspection.question = stop.sentence;
     inspection.remedy = stop.remedy;
     inspection.asks_joints = false;
-    const bool has_map = inspection.remedy == Remedy::kPresetOrMap;
-    if (inspection.is_between_bones && has_map) OfferAnglesFromStraight(inspection);
+    if (inspection.remedy == Remedy::kPresetOrMap) OfferAnglesFromStraight(inspection);
   }
 }
 

@@ -35,9 +35,10 @@ struct InspectedColumn {
   bool is_dead = false;    // a sensor with one value in nearly all rows: drives no joint
   std::string channel;     // empty: ignored
   JointBasis basis = JointBasis::kName;
-  bool is_inverted = false;  // falls while the joint bends
-  double added = 0.0;        // deg or rad, to be in the joint's range
-  bool is_turning = false;   // jumps by 360
+  bool is_inverted = false;       // falls while the joint bends
+  double added = 0.0;             // deg or rad, to be in the joint's range
+  bool is_turning = false;        // jumps by 360
+  bool is_from_straight = false;  // looks like 180 deg where the joint is straight
   double envelope_ms = 0.0;  // of a muscle: `statistics` are those of its Envelope; 0: its values
   std::vector<ColumnMapping> mappings = {};  // of a map or a profile; empty: by the unit
   std::string why;                           // reason for the channel, or for ignoring the column
@@ -76,8 +77,7 @@ struct Inspection {
   RawUnit unit = RawUnit::kUnknown;
   bool unit_is_assumed = false;
   bool sign_is_assumed = false;
-  bool is_between_bones = false;  // angles that look as if a straight joint has 180 deg
-  std::string profile = {};       // that the columns are of, by name; empty: none
+  std::string profile = {};  // that the columns are of, by name; empty: none
   std::vector<std::string> profiles_to_ask_for = {};  // that they may be of
   double unit_high = 0.0;                             // highest usual value of the sensors
   int bits = 0;                                       // for counts

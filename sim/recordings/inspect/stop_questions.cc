@@ -52,24 +52,25 @@ bool MayBePercent(const Inspection& inspection) {
   return inspection.unit_is_assumed && low >= 0.0 && high >= kLeast && high <= 100.0;
 }
 
-/// A sentence if an angle is nearly always beyond its joint's range, or often far beyond it.
+/// A sentence if an angle is mostly beyond its joint's range, or often far beyond it.
 std::string RangeQuestion(const Inspection& inspection, std::span<const RowGroups>) {
   if (!inspection.HasAngles()) return "";
-  constexpr double kNearlyAlways = 0.95;
+  constexpr double kMostly = 0.5;
   constexpr double kOften = 0.05;
   constexpr double kFar = 0.5;  // of the joint's range: reading takes it for a glitch
   for (const std::size_t c : inspection.MappedColumns()) {
     const double share = ShareBeyond(inspection, c, 0.0);
     const double far_share = ShareBeyond(inspection, c, kFar);
-    if (share < kNearlyAlways && far_share < kOften) continue;
+    if (share < kMostly && far_share < kOften) continue;
     const Channel& joint = KnownChannels()[ChannelIndex(inspection.columns[c].channel)];
     return fmt::format(
         "column {}: {} of {:.0f} % of the rows is outside its range, {:g} to {:g} deg; {}the unit "
         "[{}] or the joint is another{}",
         c + 1, joint.name, 100.0 * std::max(share, far_share), joint.min_deg, joint.max_deg,
-        inspection.is_between_bones ? "angles between bones, 180 deg where straight, are as in the "
-                                      "map: sign -1 and an offset; else "
-                                    : "",
+        inspection.columns[c].is_from_straight
+            ? "angles between bones, 180 deg where straight, are as in the "
+              "map: sign -1 and an offset; else "
+            : "",
         NameOf(inspection.unit), MayBePercent(inspection) ? "; --unit percent if they are" : "");
   }
   return "";
