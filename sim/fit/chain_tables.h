@@ -17,8 +17,8 @@ ResultTable ChainTable(const ChainResult& result);
 /// ChainTable() for a person, with the reason of each value that is withheld.
 ResultText ChainText(const ChainResult& result);
 
-/// A sentence on parts whose angle is beside its command by more than kOffsetOfTravel; empty without
-/// any, and for the chain from a wearer.
+/// A sentence on parts whose angle is beside its command by more than kOffsetOfTravel; empty
+/// without any, and for the chain from a wearer.
 std::string OffsetsText(const ChainResult& result);
 /// The horizon to set, the values that are withheld, and warnings. `file` contains the chain; the
 /// recommendation is empty if the log determines no delay.
