@@ -149,6 +149,18 @@ void RefuseResult(const fs::path& target) {
                    .problem = "is a result of another command and is kept; name another file"});
 }
 
+/// A device or pipe at the place of a file would be replaced by the file, with root's rights for
+/// all programs.
+void RefuseSpecial(const fs::path& target) {
+  std::error_code error;
+  const fs::file_status status = fs::status(target, error);  // behind links
+  if (error || !fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status)) {
+    return;
+  }
+  throw UserError(
+      {.place = target.string(), .problem = "is a device or pipe, must be the name of a file"});
+}
+
 }  // namespace
 
 TemporaryEntry::TemporaryEntry(const fs::path& target, Kind kind)
@@ -196,6 +208,7 @@ OutputFile::OutputFile(fs::path target) : OutputFile(std::move(target), Replaces
 
 OutputFile::OutputFile(fs::path target, Replaces replaces)
     : target_(std::move(target)), temporary_(target_, TemporaryEntry::Kind::kFile) {
+  RefuseSpecial(target_);
   RefuseInput(target_);
   if (replaces == Replaces::kNoResult) RefuseResult(target_);
 }

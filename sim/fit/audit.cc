@@ -98,6 +98,20 @@ class RowWatch {
       command[n] = changes(n, 0, parts);
       angle[n] = changes(n, parts, 2 * parts);
     }
+    // All angles stand still for a second, while commands change in most of the rows.
+    for (std::size_t n = 1; n < count;) {
+      std::size_t end = n;
+      double moving = 0.0;
+      while (end < count && !angle[end]) moving += command[end++] ? 1.0 : 0.0;
+      const auto rows_of_run = static_cast<double>(end - n);
+      if (rows_of_run * period_s_ >= kFrozen_s && rows_of_run >= kFrozenRows &&
+          moving > 0.5 * rows_of_run && rows_of_run * period_s_ > frozen_s_) {
+        frozen_s_ = rows_of_run * period_s_;
+        frozen_from_s_ = rows.series.front().time_s[n] - rows.first_s;
+        frozen_episode_ = rows.episode;
+      }
+      n = end + 1;
+    }
     std::size_t last = 0;
     for (std::size_t n = 1; n < count; ++n) {
       if (!angle[n]) continue;
@@ -153,14 +167,21 @@ class RowWatch {
            fmt::format("{:.2g} % of the rows repeat the row before", 100.0 * repeated_ / rows_),
            1.0});
     }
+    if (frozen_s_ > 0.0) {
+      faults.push_back({"frozen",
+                        fmt::format("all angles stand still for {:.1f} s from {:.1f} s of episode "
+                                    "{:g} on while commands move",
+                                    frozen_s_, frozen_from_s_, frozen_episode_),
+                        2.6});
+    }
     if (gaps_in_time_ > 0.0) {
       faults.push_back({"gaps",
                         fmt::format("{:g} gap{} in time, up to {:.3g} s", gaps_in_time_,
                                     gaps_in_time_ == 1.0 ? "" : "s", longest_gap_s_),
-                        longest_gap_s_});
+                        1.0});
     }
     if (const auto senders = senders_.Find(SIZE_MAX, commands)) {
-      faults.push_back({"two_senders", "The commands have " + TextOf(*senders), 4.0});
+      faults.push_back({"two_senders", "the commands have " + TextOf(*senders), 4.0});
     }
   }
 
@@ -174,8 +195,11 @@ class RowWatch {
     }
   }
 
+  static constexpr double kFrozen_s = 1.0;
+  static constexpr double kFrozenRows = 10.0;
   SenderWatch senders_;
   double period_s_;
+  double frozen_s_ = 0.0, frozen_from_s_ = 0.0, frozen_episode_ = 0.0;
   std::array<double, 64> gaps_ = {};  // rows between changes of the angles
   double rows_ = 0.0;
   double repeated_ = 0.0;

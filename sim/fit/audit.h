@@ -30,7 +30,7 @@ struct AuditedEpisode {
 struct AuditedPart {
   std::string name;
   /// Kind of its commands: a NameOf(CommandKind), or `mixed` (copies in some episodes), `ahead`,
-  /// `opposite`, `other_part`, `unrelated`, `still`.
+  /// `opposite`, `other_part`, `unrelated`, `still`, `command_still`, `angle_still`, `missing`.
   std::string kind;
   std::string kind_text;       // "targets", or a sentence without its subject on what they are
   ChainEstimate delay_ms;      // of a target

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <string_view>
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/quantile.h"
 #include "sim/fit/chain_episodes.h"
+#include "sim/tables/name_words.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -69,15 +71,89 @@ std::string EpisodesText(const std::set<double>& some, std::size_t all) {
   return fmt::format(" in {} of {} episodes ({})", some.size(), all, NumbersText(some));
 }
 
+/// Some stretches of a data set.
+struct Places {
+  std::set<double> episodes;
+  double first_s = HUGE_VAL, last_s = -HUGE_VAL;  // in their episodes
+
+  void Add(const std::vector<double>& its_episodes, double its_first_s, double length_s) {
+    episodes.insert(its_episodes.begin(), its_episodes.end());
+    first_s = std::min(first_s, its_first_s);
+    last_s = std::max(last_s, its_first_s + length_s);
+  }
+};
+
+/// EpisodesText(); of one episode " from 200 to 300 s".
+std::string PlacesText(const Places& places, std::size_t episodes) {
+  return episodes == 1 ? fmt::format(" from {:.0f} to {:.0f} s", places.first_s, places.last_s)
+                       : EpisodesText(places.episodes, episodes);
+}
+
+bool IsOpposite(const FollowFit& fit) {
+  constexpr double kClearly = 0.8;
+  constexpr double kBetter = 0.05;
+  return fit.opposite > kClearly && fit.opposite > fit.correlation + kBetter;
+}
+
 /// "17.0 deg", "0.0512 units"
 std::string ShortValue(double value, const std::string& unit) {
   return unit == "deg" ? fmt::format("{:.1f} deg", value) : fmt::format("{:.3g} {}", value, unit);
+}
+
+constexpr double kExplained = 0.7;  // of the variance: a line or a jump
+
+/// Values over something, as a line and as two levels.
+struct Course {
+  double line = 0.0, jump = 0.0;      // share of the variance that each explains
+  double first = 0.0, last = 0.0;     // mean of the first and the last quarter
+  double before = 0.0, behind = 0.0;  // levels of the jump
+  std::ptrdiff_t at = 0;              // first value behind it
+};
+
+Course CourseOf(const std::vector<double>& x, const std::vector<double>& y) {
+  constexpr std::ptrdiff_t kFewest = 6;
+  Course course;
+  const std::ptrdiff_t count = std::ssize(y);
+  if (count < kFewest) return course;
+  std::vector<std::pair<double, double>> sorted;
+  for (std::size_t i = 0; i < y.size(); ++i) sorted.emplace_back(x[i], y[i]);
+  std::ranges::stable_sort(sorted, {}, &std::pair<double, double>::first);
+  const auto mean_of = [&](std::ptrdiff_t from, std::ptrdiff_t to) {
+    double sum = 0.0;
+    for (auto i = from; i < to; ++i) sum += sorted[static_cast<std::size_t>(i)].second;
+    return sum / static_cast<double>(to - from);
+  };
+  const double mean = mean_of(0, count);
+  double mean_x = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  for (const auto& [place, value] : sorted) mean_x += place / static_cast<double>(count);
+  for (const auto& [place, value] : sorted) {
+    xx += (place - mean_x) * (place - mean_x);
+    xy += (place - mean_x) * (value - mean);
+    yy += (value - mean) * (value - mean);
+  }
+  if (!(xx > 0.0) || !(yy > 0.0)) return course;
+  course.line = xy * xy / xx / yy;
+  course.first = mean_of(0, count / 4 + 1);
+  course.last = mean_of(count - count / 4 - 1, count);
+  for (std::ptrdiff_t at = 2; at + 2 <= count; ++at) {
+    const double before = mean_of(0, at), behind = mean_of(at, count);
+    const auto left = static_cast<double>(at), right = static_cast<double>(count - at);
+    const double share =
+        (left * (before - mean) * (before - mean) + right * (behind - mean) * (behind - mean)) / yy;
+    if (share <= course.jump) continue;
+    course.jump = share;
+    course.before = before;
+    course.behind = behind;
+    course.at = at;
+  }
+  return course;
 }
 
 }  // namespace
 
 void PartAudit::Add(const PartInRows& rows) {
   JudgeKind(rows);
+  if (rows.stretches.empty()) empty_.insert(rows.episode);
   for (const FollowRows& whole : rows.stretches) {
     const double duration_s = static_cast<double>(whole.command.size()) / rows.rate_hz;
     longest_travel_ = std::max(longest_travel_, RangeOf(whole.command));
@@ -90,11 +166,10 @@ void PartAudit::Add(const PartInRows& rows) {
       if (pending_s_ >= kShortest_s) FinishPending();
       continue;
     }
-    double middle_s = rows.first_s;
+    double first_s = rows.first_s;
     for (const FollowRows& piece : Pieces(whole, rows.rate_hz)) {
-      const double length_s = static_cast<double>(piece.command.size()) / rows.rate_hz;
-      Fit({piece}, {rows.episode}, rows.rate_hz, middle_s + 0.5 * length_s);
-      middle_s += length_s;
+      Fit({piece}, {rows.episode}, rows.rate_hz, first_s);
+      first_s += static_cast<double>(piece.command.size()) / rows.rate_hz;
     }
   }
 }
@@ -120,9 +195,10 @@ void PartAudit::JudgeKind(const PartInRows& rows) {
 }
 
 void PartAudit::Fit(const std::vector<FollowRows>& rows, const std::vector<double>& episodes,
-                    double rate_hz, double middle_s) {
-  Stretch stretch{.episodes = episodes, .middle_s = middle_s, .rate_hz = rate_hz};
+                    double rate_hz, double first_s) {
+  Stretch stretch{.episodes = episodes, .first_s = first_s, .rate_hz = rate_hz};
   for (const FollowRows& part : rows) {
+    stretch.length_s += static_cast<double>(part.command.size()) / rate_hz;
     stretch.travel = std::max(stretch.travel, RangeOf(part.command));
     stretch.angle_travel = std::max(stretch.angle_travel, RangeOf(part.angle));
   }
@@ -144,6 +220,9 @@ void PartAudit::Fit(const std::vector<FollowRows>& rows, const std::vector<doubl
       }
     }
     stretch.offset = controller::MedianOf(errors);
+    std::vector<double> sizes;
+    for (const double error : errors) sizes.push_back(std::abs(error));
+    stretch.least_error = Quantile(std::move(sizes), 0.05);
     auto error_of_row = errors.begin();
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const FollowRows& part = rows[i];
@@ -233,7 +312,7 @@ bool PartAudit::NameKind(const std::vector<double>& episodes, AuditedPart& part)
     part.kind_text = std::move(text);
     return false;
   };
-  double known = 0.0, opposite = 0.0, moving = 0.0, angle_travel = 0.0;
+  double known = 0.0, opposite = 0.0, moving = 0.0, moving_s = 0.0, angle_travel = 0.0;
   std::vector<double> delays_rows;
   double rate_hz = 0.0;
   for (const Stretch& stretch : stretches_) {
@@ -241,19 +320,23 @@ bool PartAudit::NameKind(const std::vector<double>& episodes, AuditedPart& part)
     if (!Moves(stretch)) continue;
     rate_hz = stretch.rate_hz;
     moving += 1.0;
-    constexpr double kClearly = 0.8;
-    constexpr double kBetter = 0.05;
-    const FollowFit& fit = stretch.fit;
-    if (fit.opposite > kClearly && fit.opposite > fit.correlation + kBetter) {
+    moving_s += stretch.length_s;
+    if (IsOpposite(stretch.fit)) {
       opposite += 1.0;
-    } else if (fit.is_known) {
+    } else if (stretch.fit.is_known) {
       known += 1.0;
-      delays_rows.push_back(fit.delay_rows);
+      delays_rows.push_back(stretch.fit.delay_rows);
     }
   }
-  if (!(longest_travel_ > 0.0)) return is("still", "its command does not move");
   constexpr double kNothing = 1e-3;  // of the command's travel
-  if (!(angle_travel > kNothing * longest_travel_)) return is("still", "its angle does not move");
+  if (stretches_.empty()) return is("missing", "it has no rows with values");
+  if (!(longest_travel_ > 0.0)) {
+    return angle_travel > 0.0 ? is("command_still", "its command does not move, but its angle does")
+                              : is("still", "neither command nor angle moves");
+  }
+  if (!(angle_travel > kNothing * longest_travel_)) {
+    return is("angle_still", "its angle does not move, but its command does");
+  }
   double judged = 0.0;
   std::map<CommandKind, std::set<double>> by_kind;
   std::map<CommandKind, double> counts;
@@ -284,18 +367,24 @@ bool PartAudit::NameKind(const std::vector<double>& episodes, AuditedPart& part)
     return is("mixed", fmt::format("its commands are copies of its angles{}",
                                    EpisodesText(by_kind[copy], episodes.size())));
   }
-  if (opposite > kHalf * moving) {
+  // Motions of few seconds are alike at some lag by chance, but not at the same.
+  constexpr double kFew = 0.2;
+  const double least = std::min(0.98, 0.5 + 0.3 / std::sqrt(std::max(0.1, moving_s / kStretch_s)));
+  const double most = correlation_ ? correlation_->Largest(1.0) : 0.0;
+  const bool is_short = moving_s < kStretch_s;
+  if (opposite > kHalf * moving && known < kFew * moving &&
+      (!is_short || correlation_->Largest(-1.0) > least)) {
     return is("opposite",
               "its angle falls where its command rises: turn the sign of one of the columns");
   }
-  // Motions of few seconds are alike at some lag by chance, but not at the same.
-  const double least = 0.5 + 0.3 / std::sqrt(std::max(1.0, moving));
-  const bool is_alike = correlation_ && correlation_->Largest() > least;
-  if (known < kHalf * moving || delays_rows.empty() || !is_alike) {
+  if (known < kFew * moving || delays_rows.empty() || most < least) {
     return is("unrelated",
-              fmt::format("its angle does not follow its command (correlation {:.2f} at the best "
-                          "delay)",
-                          correlation_ ? correlation_->Largest() : 0.0));
+              is_short ? fmt::format("its motion is too short to see how the angle follows "
+                                     "(correlation {:.2f}, must be {:.2f})",
+                                     most, least)
+                       : fmt::format("its angle does not follow its command (correlation {:.2f} at "
+                                     "the best delay)",
+                                     most));
   }
   const double median_rows = controller::MedianOf(delays_rows);
   if (median_rows < -1.0) {
@@ -308,13 +397,73 @@ bool PartAudit::NameKind(const std::vector<double>& episodes, AuditedPart& part)
   return true;
 }
 
+/// Stretches that are not as most: still, opposite, ahead, not followed, with copies.
+void PartAudit::FindOddStretches(std::size_t episodes, AuditedPart& part) const {
+  constexpr double kStillShare = 0.02;  // of the command's travel
+  constexpr double kFollowed = 0.95;    // correlation of most stretches
+  constexpr double kNotFollowed = 0.8;
+  std::vector<double> correlations, delays_rows;
+  for (const Stretch& stretch : stretches_) {
+    if (!Moves(stretch) || !stretch.fit.is_known) continue;
+    correlations.push_back(stretch.fit.correlation);
+    delays_rows.push_back(stretch.fit.delay_rows);
+  }
+  const bool is_clear = controller::MedianOf(correlations) > kFollowed;
+  const double usual_rows = controller::MedianOf(delays_rows);
+  std::map<std::string, Places> odd;
+  for (const Stretch& stretch : stretches_) {
+    const FollowFit& fit = stretch.fit;
+    std::string how;
+    if (!Moves(stretch)) {
+      const bool moves_alone = stretch.travel < kStillShare * longest_travel_ &&
+                               stretch.angle_travel > kMovingShare * longest_travel_;
+      if (moves_alone) how = "moves without its command";
+    } else if (stretch.angle_travel < kStillShare * stretch.travel) {
+      how = "does not move with its command";
+    } else if (IsOpposite(fit)) {
+      how = "moves against its command";
+    } else if (fit.is_known && fit.delay_rows < -1.0 && usual_rows > -0.5) {
+      how = "is ahead of its command";
+    } else if (is_clear && fit.correlation < kNotFollowed) {
+      how = "does not follow its command";
+    }
+    if (!how.empty()) odd[how].Add(stretch.episodes, stretch.first_s, stretch.length_s);
+  }
+  for (const Judged& one : judged_) {
+    const bool is_copy = one.kind != CommandKind::kTarget && one.kind < CommandKind::kSteps;
+    if (!is_copy || episodes == 1 || one.travel < kMovingShare * longest_travel_) continue;
+    odd["has copies of its angle as commands"].Add({one.episode}, 0.0, 0.0);
+  }
+  constexpr double kOdd = 2.8;
+  for (const auto& [how, places] : odd) {
+    const bool may_touch = how.starts_with("does not") && MayTouch(places.episodes);
+    part.faults.push_back({"odd", how + PlacesText(places, episodes), may_touch ? kLook : kOdd});
+  }
+  if (!empty_.empty()) {
+    part.faults.push_back({"missing", "has no values" + EpisodesText(empty_, episodes), kOdd});
+  }
+}
+
+/// A gripper or finger closes on objects: its angle stops before its command. So may any part that
+/// stands still while its command moves, in most of these episodes.
+bool PartAudit::MayTouch(const std::set<double>& episodes) const {
+  constexpr std::string_view kWords =
+      "gripper grip jaw claw finger fingers hand thumb index middle ring little pinky mcp pip dip";
+  if (HasWordOf(WordsOf(name_), kWords)) return true;
+  std::set<double> stopped;
+  for (const Freeze& freeze : freezes_) {
+    if (freeze.command_travel >= kMovesOn * longest_travel_ && episodes.contains(freeze.episode)) {
+      stopped.insert(freeze.episode);
+    }
+  }
+  return 2 * stopped.size() >= episodes.size() && !stopped.empty();
+}
+
 void PartAudit::FinishDelay(const std::vector<const Stretch*>& moving, AuditedPart& part) const {
-  std::vector<double> delays_ms, errors_ms, order, middle_s;
+  std::vector<double> delays_ms, errors_ms;
   for (const Stretch* const stretch : moving) {
     delays_ms.push_back(1e3 * stretch->fit.delay_rows / stretch->rate_hz);
     errors_ms.push_back(1e3 * stretch->fit.error_rows / stretch->rate_hz);
-    order.push_back(static_cast<double>(order.size()));
-    middle_s.push_back(stretch->middle_s);
   }
   const CommonValue common = CommonOf(delays_ms, errors_ms);
   // The straight line between rows is no better: without this, intervals of many episodes held the
@@ -332,45 +481,37 @@ void PartAudit::FinishDelay(const std::vector<const Stretch*>& moving, AuditedPa
   // Twice the spread on both sides of the mean: most stretches.
   if (!common.differs || 4.0 * common.spread < least_ms) return;
   part.delay_stays = false;
-  const auto line_of = [&](const std::vector<double>& x) {
-    const auto count = static_cast<double>(x.size());
-    double mean_x = 0.0, mean_y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      mean_x += x[i] / count;
-      mean_y += delays_ms[i] / count;
-    }
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      xx += (x[i] - mean_x) * (x[i] - mean_x);
-      xy += (x[i] - mean_x) * (delays_ms[i] - mean_y);
-      yy += (delays_ms[i] - mean_y) * (delays_ms[i] - mean_y);
-    }
-    struct Line {
-      double first, last, explained;
-    };
-    const auto [least, most] = std::ranges::minmax(x);
-    const double slope = xx > 0.0 ? xy / xx : 0.0;
-    return Line{mean_y + slope * (least - mean_x), mean_y + slope * (most - mean_x),
-                xx > 0.0 && yy > 0.0 ? xy * xy / xx / yy : 0.0};
-  };
-  constexpr std::size_t kFewest = 6;
-  constexpr double kExplained = 0.6;
+  std::vector<double> order, in_episode;
+  for (const Stretch* const stretch : moving) {
+    order.push_back(static_cast<double>(order.size()));
+    in_episode.push_back(stretch->first_s);
+  }
+  const bool is_one = moving.front()->episodes == moving.back()->episodes;
+  const std::string where = is_one ? "log" : "data set";
+  const Course over_all = CourseOf(order, delays_ms),
+               over_episode = CourseOf(in_episode, delays_ms);
   std::string how;
-  if (moving.size() >= kFewest) {
-    const bool is_one = moving.front()->episodes == moving.back()->episodes;
-    const auto over_all = line_of(order);
-    const auto in_episodes = line_of(middle_s);
-    if (over_all.explained > kExplained) {
-      how = fmt::format("drifts from {:.0f} to {:.0f} ms over the {}", over_all.first,
-                        over_all.last, is_one ? "log" : "data set");
-    } else if (in_episodes.explained > kExplained) {
-      how = fmt::format("drifts from {:.0f} to {:.0f} ms in each episode", in_episodes.first,
-                        in_episodes.last);
-    }
+  if (over_all.jump > kExplained && over_all.jump > over_all.line) {
+    const Stretch& at = *moving[static_cast<std::size_t>(over_all.at)];
+    how = fmt::format("jumps from {:.0f} to {:.0f} ms at {}", over_all.before, over_all.behind,
+                      is_one ? fmt::format("{:.0f} s", at.first_s)
+                             : fmt::format("episode {:g}", at.episodes.front()));
+  } else if (over_all.line > kExplained) {
+    how = fmt::format("drifts from {:.0f} to {:.0f} ms over the {}", over_all.first, over_all.last,
+                      where);
+  } else if (!is_one && over_episode.line > kExplained) {
+    how = fmt::format("drifts from {:.0f} to {:.0f} ms in each episode", over_episode.first,
+                      over_episode.last);
   }
   // A drift is one of clocks or buffers; other changes may be those of the motion or its load.
   const bool drifts = !how.empty();
   if (!drifts) {
-    how = fmt::format("varies from {:.0f} to {:.0f} ms", part.delay_low_ms, part.delay_high_ms);
+    const auto [least, most] = std::ranges::minmax(delays_ms);
+    const bool is_rare = part.delay_high_ms - part.delay_low_ms < least_ms;
+    how = is_rare ? fmt::format("is {:.0f} to {:.0f} ms, mostly {:.0f}", least, most,
+                                Quantile(delays_ms, 0.5))
+                  : fmt::format("varies from {:.0f} to {:.0f} ms", part.delay_low_ms,
+                                part.delay_high_ms);
   }
   part.faults.push_back({"delay_varies", "has a delay that " + how, drifts ? 1.5 : kLook});
 }
@@ -378,16 +519,12 @@ void PartAudit::FinishDelay(const std::vector<const Stretch*>& moving, AuditedPa
 void PartAudit::FinishOffset(const std::vector<const Stretch*>& moving, const std::string& unit,
                              std::size_t episodes, AuditedPart& part) const {
   std::vector<double> offsets, gains, unexplained;
-  std::map<double, std::vector<double>> by_episode;
   double rest_squares = 0.0, rest_rows = 0.0, squares = 0.0;
   for (const Stretch* const stretch : moving) {
     offsets.push_back(stretch->offset);
     gains.push_back(stretch->fit.gain);
     squares += stretch->fit.residual_rms * stretch->fit.residual_rms;
     unexplained.push_back(std::sqrt(1.0 - std::min(1.0, std::pow(stretch->fit.correlation, 2))));
-    for (const double episode : stretch->episodes) {
-      by_episode[episode].push_back(stretch->offset);
-    }
     rest_squares += stretch->rest_squares;
     rest_rows += stretch->rest_rows;
   }
@@ -410,27 +547,38 @@ void PartAudit::FinishOffset(const std::vector<const Stretch*>& moving, const st
   if (share > kMostUnexplained) return;
   constexpr double kLeastGain = 0.8;
   constexpr double kMostGain = 1.25;
+  std::set<double> all;
+  for (const Stretch* const stretch : moving) {
+    all.insert(stretch->episodes.begin(), stretch->episodes.end());
+  }
   if (part.gain.value < kLeastGain || part.gain.value > kMostGain) {
-    part.faults.push_back(
-        {"gain", fmt::format("moves {:.3g} times as far as its command", part.gain.value), 5.0});
+    part.faults.push_back({"gain",
+                           fmt::format("moves {:.3g} times as far as its command", part.gain.value),
+                           part.gain.value < 1.0 && MayTouch(all) ? kLook : 5.0});
     return;  // an offset depends on the place then
   }
   constexpr double kLeast_deg = 1.0;
   const double limit =
       std::max(kOffsetOfTravel * longest_travel_, unit == "deg" ? kLeast_deg : 0.0);
-  std::set<double> off;
+  Places off;
   std::vector<double> of_off;
-  for (auto& [episode, values] : by_episode) {
-    const double offset = controller::MedianOf(values);
-    if (!(std::abs(offset) > limit)) continue;
-    off.insert(episode);
-    of_off.push_back(offset);
+  bool is_off_throughout = false;
+  for (const Stretch* const stretch : moving) {
+    if (!(std::abs(stretch->offset) > limit)) continue;
+    off.Add(stretch->episodes, stretch->first_s, stretch->length_s);
+    of_off.push_back(stretch->offset);
+    // A part that an object stops is not off where it moves freely.
+    is_off_throughout |= stretch->least_error > 0.5 * std::abs(stretch->offset);
   }
-  if (off.empty()) return;
+  if (of_off.empty()) return;
   const double offset = controller::MedianOf(of_off);
-  part.faults.push_back(
-      {"offset", fmt::format("is {} off{}", ShortValue(offset, unit), EpisodesText(off, episodes)),
-       2.0 + std::abs(offset) / longest_travel_});
+  const bool everywhere = of_off.size() == moving.size() && episodes == 1;
+  part.faults.push_back({"offset",
+                         fmt::format("is {} off{}", ShortValue(offset, unit),
+                                     everywhere ? "" : PlacesText(off, episodes)),
+                         !is_off_throughout && MayTouch(off.episodes)
+                             ? kLook
+                             : 2.0 + std::abs(offset) / longest_travel_});
 }
 
 /// Commands or angles that end where the other goes on.
@@ -521,6 +669,7 @@ AuditedPart PartAudit::Finish(const std::vector<double>& episodes, const std::st
     if (stretch.fit.correlation >= kClear) clear.push_back(&stretch);
   }
   if (2 * clear.size() >= moving.size()) FinishDelay(clear, part);
+  FindOddStretches(episodes.size(), part);
   FinishOffset(moving, unit, episodes.size(), part);
   FinishEnds(unit, part);
   for (const Stretch* const stretch : moving) {

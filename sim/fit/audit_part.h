@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,12 +35,14 @@ class PartAudit {
  private:
   struct Stretch {
     std::vector<double> episodes;  // numbers
-    double middle_s = 0.0;         // in its episode
+    double first_s = 0.0;          // in its episode
+    double length_s = 0.0;
     double rate_hz = 0.0;
     double travel = 0.0;  // of the command
     double angle_travel = 0.0;
     FollowFit fit = {};
     double offset = 0.0;        // median of the angle less the delayed command
+    double least_error = 0.0;   // 5 % of the same are smaller in size
     double residual = 0.0;      // RMS of the angle less the delayed command
     double rest_squares = 0.0;  // of the same less its mean, at rest
     double rest_rows = 0.0;
@@ -56,13 +59,15 @@ class PartAudit {
   };
 
   void Fit(const std::vector<FollowRows>& rows, const std::vector<double>& episodes, double rate_hz,
-           double middle_s);
+           double first_s);
   void FindFreezes(const FollowRows& rows, double episode, double rate_hz, const FollowFit& fit);
   void AddSamples(const FollowRows& rows, const FollowFit& fit);
   void JudgeKind(const PartInRows& rows);
   bool Moves(const Stretch& stretch) const;
   void FinishPending();
   bool NameKind(const std::vector<double>& episodes, AuditedPart& part) const;
+  void FindOddStretches(std::size_t episodes, AuditedPart& part) const;
+  bool MayTouch(const std::set<double>& episodes) const;
   void FinishDelay(const std::vector<const Stretch*>& moving, AuditedPart& part) const;
   void FinishOffset(const std::vector<const Stretch*>& moving, const std::string& unit,
                     std::size_t episodes, AuditedPart& part) const;
@@ -73,6 +78,7 @@ class PartAudit {
   std::optional<CommonCorrelation> correlation_;
   std::vector<Judged> judged_;
   std::vector<Freeze> freezes_;
+  std::set<double> empty_;           // episodes without values
   std::vector<FollowRows> pending_;  // of short episodes, until they are long enough together
   std::vector<double> pending_episodes_;
   double pending_s_ = 0.0;

@@ -20,6 +20,7 @@ constexpr std::size_t kMostRows = 12;   // of the table for a person
 constexpr std::size_t kFirstRows = 8;   // shown of more
 constexpr std::size_t kMostFaults = 3;  // of the first sentence
 constexpr std::size_t kMostLooks = 2;
+constexpr double kGrave = 2.0;  // severity of what is wrong with the whole data set
 
 /// As a table calls the commands of a part.
 std::string WordOf(const std::string& kind) {
@@ -29,7 +30,9 @@ std::string WordOf(const std::string& kind) {
       {"earlier_row", "row before"}, {"velocity", "speeds"},
       {"mixed", "partly copies"},    {"ahead", "behind angle"},
       {"opposite", "opposite"},      {"other_part", "another part's"},
-      {"unrelated", "unrelated"},    {"still", "still"}};
+      {"unrelated", "unrelated"},    {"still", "still"},
+      {"command_still", "still"},    {"angle_still", "targets?"},
+      {"missing", "missing"}};
   const auto found = kWords.find(kind);
   return found == kWords.end() ? kind : found->second;
 }
@@ -196,7 +199,9 @@ std::string DelaysText(const Audit& audit) {
 }
 
 Verdict WithWarnings(const Audit& audit, Verdict verdict) {
-  for (const AuditFault& fault : audit.faults) verdict.AddWarning(fault.key, fault.text + ".");
+  for (const AuditFault& fault : audit.faults) {
+    if (fault.severity <= kGrave) verdict.AddWarning(fault.key, fault.text + ".");
+  }
   verdict.AddWarning("unit", audit.unit_note);
   return verdict;
 }
@@ -219,6 +224,15 @@ Verdict VerdictOf(const Audit& audit, const std::string& others_at) {
       has_offset |= fault.key == "offset";
       (fault.severity < 1.0 ? look : fix).push_back(part->name + " " + fault.text);
     }
+  }
+  for (const AuditFault& fault : audit.faults) {
+    if (fault.severity > kGrave) fix.insert(fix.begin(), fault.text);
+  }
+  for (const AuditedPart& part : audit.parts) {
+    constexpr double kNoDelay_rows = 0.1;
+    if (!(part.delay_ms.low < 1e3 * kNoDelay_rows / audit.rate_hz)) continue;
+    if (part.delay_ms.high - part.delay_ms.low > 1e3 / audit.rate_hz) continue;  // not known
+    look.push_back(part.name + " has no delay: its commands may be made of its angles");
   }
   const std::vector<std::string> still = KindSentences(audit, true);
   if (std::ranges::none_of(audit.parts, &AuditedPart::is_target)) {

@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "controller/assert.h"
@@ -18,9 +19,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index kFewestRows = 20;
-/// RMS residual of a copy, in steps to which the values are rounded: that of both, and a margin.
-constexpr double kCopySteps = 0.45;
-constexpr double kCopyResidual = 1e-6;  // of values that are not rounded, over their spread
 constexpr Index kLatestCopy = 5;
 
 struct LinearFit {
@@ -105,6 +103,94 @@ double SteadyGain(const VectorXd& c, const VectorXd& a, Index most_rows) {
   return gain;
 }
 
+/// True if all values have at most the 11 digits of a half float.
+bool AreHalves(const VectorXd& values) {
+  constexpr int kDigitsOfHalf = 11;
+  return std::ranges::all_of(values, [](double value) {
+    int exponent = 0;
+    const double digits = std::ldexp(std::frexp(value, &exponent), kDigitsOfHalf);
+    return digits == std::floor(digits);
+  });
+}
+
+/// Finds commands that are the angle of another row, to their digits. Only rows in which one of
+/// them changes count: at rest, a target and its angle are alike.
+class CopyFinder {
+ public:
+  CopyFinder(const VectorXd& c, const VectorXd& a)
+      : c_(c), a_(a), step_c_(StepOf(c)), step_a_(StepOf(a)), has_halves_(AreHalves(c)) {}
+
+  /// True if the command is the angle `rows` later, but for the rounding of the command, and that
+  /// of the angle if it is fine. A command with finer steps than a coarse angle comes from
+  /// elsewhere.
+  bool IsCopy(Index rows) const {
+    std::vector<double> x, y;
+    // The angle moves if it does by half of a coarse step of the command, in its unit.
+    const double step_of_gain = step_c_ < kDigits * Spread(c_)
+                                    ? std::numeric_limits<double>::infinity()
+                                    : step_c_ * Spread(a_) / Spread(c_);
+    for (Index n = 1; n < c_.size(); ++n) {
+      if (n + rows < 1 || n + rows >= a_.size()) continue;
+      const bool angle_moves = std::abs(a_[n + rows] - a_[n + rows - 1]) > 0.5 * step_of_gain;
+      if (c_[n] == c_[n - 1] && !angle_moves) continue;
+      x.push_back(c_[n]);
+      y.push_back(a_[n + rows]);
+    }
+    constexpr std::size_t kFewest = 10;
+    if (x.size() < kFewest) return false;
+    const Eigen::Map<const VectorXd> command(x.data(), std::ssize(x));
+    const Eigen::Map<const VectorXd> angle(y.data(), std::ssize(y));
+    const double spread = Spread(command);
+    const double mean_c = command.mean(), mean_a = angle.mean();
+    double gain = (command.array() - mean_c).matrix().dot((angle.array() - mean_a).matrix()) /
+                  (command.array() - mean_c).square().sum();
+    if (!(spread > 0.0) || !(std::abs(gain) > 0.0)) return false;
+    // Rounding moves the slope a little; a copy usually has its own.
+    constexpr double kNearOne = 2e-3;
+    const bool is_own = std::abs(std::abs(gain) - 1.0) < kNearOne;
+    if (is_own) gain = std::copysign(1.0, gain);
+    const double step_a = step_a_ / std::abs(gain);  // in units of the command
+    const double exact = kExact * spread + (step_a < kDigits * spread ? 0.5 * step_a : 0.0);
+    std::vector<double> errors;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      errors.push_back((y[i] - mean_a) / gain - (x[i] - mean_c));
+      largest = std::max(largest, std::abs(x[i]));
+    }
+    std::ranges::sort(errors);
+    constexpr std::size_t kOneIn = 200;  // rows that may be off, half of them at each end
+    const std::size_t off = errors.size() / kOneIn / 2;
+    const double range = errors[errors.size() - 1 - off] - errors[off];
+    const double margin = is_own ? 1.03 : 1.15;
+    const double half = has_halves_ ? largest / 1024.0 : 0.0;  // the last digit
+    if (range > margin * (2.0 * exact + step_c_ + half)) return false;
+    return step_c_ < kDigits * spread || range < 2.0 * exact || FillsSteps(rows, gain, range);
+  }
+
+  /// True if the angle is anywhere within a step of the command while the command stays: that of a
+  /// rounded copy. A target that is followed well is near the step.
+  bool FillsSteps(Index rows, double gain, double range) const {
+    std::vector<double> errors;
+    for (Index n = std::max<Index>(1, -rows); n + 1 < c_.size() && n + rows < a_.size(); ++n) {
+      if (c_[n - 1] != c_[n] || c_[n + 1] != c_[n]) continue;
+      errors.push_back(a_[n + rows] / gain - c_[n]);
+    }
+    constexpr std::size_t kFewest = 10;
+    constexpr double kLeastRange = 0.7;  // of a step, in a motion that hardly stays
+    if (errors.size() < kFewest) return range > kLeastRange * step_c_;
+    const Eigen::Map<const VectorXd> all(errors.data(), std::ssize(errors));
+    constexpr double kLeastSpread = 0.12;  // of a step; 0.29 if all places are as likely
+    return Spread(all) > kLeastSpread * step_c_;
+  }
+
+ private:
+  const VectorXd c_, a_;
+  static constexpr double kExact = 1e-6;   // of the spread
+  static constexpr double kDigits = 2e-3;  // the same: the steps are those of digits
+  double step_c_, step_a_;
+  bool has_halves_;
+};
+
 }  // namespace
 
 CommandKind FindCommandKind(std::span<const double> command, std::span<const double> angle,
@@ -113,28 +199,19 @@ CommandKind FindCommandKind(std::span<const double> command, std::span<const dou
   const Eigen::Map<const VectorXd> c(command.data(), std::ssize(command));
   const Eigen::Map<const VectorXd> a(angle.data(), std::ssize(angle));
   if (c.size() < kFewestRows) return CommandKind::kTarget;
-  const double spread = Spread(a);
-  // The levels of a command in steps, and values about a place at rest, are no rounding.
-  constexpr double kLargestStep = 0.1;
-  const double step_a = std::min(StepOf(a), kLargestStep * spread);
-  const double step_c = std::min(StepOf(c), kLargestStep * Spread(c));
-  const auto is_copy = [&](Index rows) {
-    const LinearFit fit = FitLate(c, a, rows, false);
-    const double step = std::max(step_a, std::abs(fit.gain) * step_c);
-    return fit.residual_share * spread < kCopySteps * step + kCopyResidual * spread;
-  };
-  if (!(spread > 0.0)) return CommandKind::kTarget;
-  if (is_copy(0)) return CommandKind::kCopy;
+  if (!(Spread(a) > 0.0) || !(Spread(c) > 0.0)) return CommandKind::kTarget;
+  const CopyFinder copies(c, a);
+  if (copies.IsCopy(0)) return CommandKind::kCopy;
   for (Index rows = 1; rows <= kLatestCopy; ++rows) {
-    if (is_copy(rows)) return rows == 1 ? CommandKind::kNextRow : CommandKind::kLaterRow;
+    if (copies.IsCopy(rows)) return rows == 1 ? CommandKind::kNextRow : CommandKind::kLaterRow;
   }
-  if (is_copy(-1)) return CommandKind::kEarlierRow;
-
+  if (copies.IsCopy(-1)) return CommandKind::kEarlierRow;
   constexpr double kLongestDelay_s = 3.0;
   constexpr double kLatestSum_s = 1.5;
-  constexpr Index kLatestSum = 3;   // of an angle that a target explains, too
-  constexpr double kGood = 0.3;     // residual share of a sum that is the angle
-  constexpr double kBetter = 0.5;   // than that of a target
+  constexpr Index kLatestSum = 3;  // of an angle that a target explains, too
+  constexpr double kGood = 0.3;    // residual share of a sum that is the angle
+  constexpr double kBetter = 0.5;  // than that of a target
+  constexpr double kNearlyCopy = 0.1;
   constexpr double kPoor = 0.2;     // residual share of a target that explains little
   constexpr double kNear = 1.25;    // factor of the gain
   constexpr double kFlatter = 1.8;  // the same of an angle far behind
@@ -144,6 +221,12 @@ CommandKind FindCommandKind(std::span<const double> command, std::span<const dou
     return std::min<Index>(c.size() / 4, std::lround(longest_s * rate_hz));
   };
   const LinearFit as_target = Best(c, a, most(kLongestDelay_s), false);
+  if (as_target.residual_share < kNearlyCopy) {  // of a chunk of actions, many rows later
+    const Index near = as_target.rows / 10 + 1;
+    for (Index rows = as_target.rows - near; rows <= as_target.rows + near; ++rows) {
+      if (rows > kLatestCopy && copies.IsCopy(rows)) return CommandKind::kLaterRow;
+    }
+  }
   const bool is_poor = as_target.residual_share > kPoor;
   // Half a turn later, the sum of a motion that repeats is the motion.
   const LinearFit as_sum =

@@ -84,6 +84,10 @@ void CheckEpisode(double number, std::size_t column, const CsvReader& csv) {
 EpisodeReader::Inputs EpisodeReader::Open(const std::filesystem::path& file,
                                           const ChainLogOptions& options) {
   const bool is_given = !options.command.empty() && !options.state.empty();
+  if (is_given && options.command == options.state) {
+    throw UserError({.place = "--command " + options.command,
+                     .problem = "is the topic of the states, must be another"});
+  }
   TopicPair topics{options.command, options.state, is_given};
   if (!is_given) {
     OpenedTable opened = OpenTable(file, options.array);
@@ -243,7 +247,8 @@ void EpisodeReader::ReadCommands(EpisodeRows& rows) {
   for (std::size_t i = 0; i < columns_.commands.size(); ++i) {
     HoldOverGaps(rows.series[i]);
     const std::vector<double>& times_s = rows.series[i].time_s;
-    if (times_s.empty() || times_s.front() > rows.last_s || times_s.back() < rows.first_s) {
+    if (times_s.empty()) continue;
+    if (times_s.front() > rows.last_s || times_s.back() < rows.first_s) {
       csv.Fail(columns_.commands[i].column + 1,
                fmt::format("the commands of {} are not from the time of the states: do the topics "
                            "have two clocks?",

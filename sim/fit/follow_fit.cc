@@ -149,7 +149,7 @@ struct Correlations {
 Correlations CorrelationsOf(std::span<const FollowRows> parts, double rate_hz) {
   Index longest = 0;
   for (const FollowRows& rows : parts) longest = std::max(longest, rows.command.size());
-  const Index most = std::min<Index>(std::lround(kLongest_s * rate_hz), longest / 3);
+  const Index most = std::min<Index>(std::lround(kLongest_s * rate_hz), longest / 4);
   const Index lead = std::min<Index>(std::lround(kLead_s * rate_hz), most);
   Correlations result{.first = -lead, .values = {}};
   for (Index lag = -lead; lag <= most; ++lag) {
@@ -201,7 +201,7 @@ void CommonCorrelation::Add(const FollowRows& rows) {
   for (Index i = 0; i < products_.size(); ++i) {
     const Index lag = i - lead_;
     const Index count = thin.command.size() - std::abs(lag);
-    if (count < kFewestRowsOfLag || 2 * count < thin.command.size()) continue;
+    if (count < kFewestRowsOfLag || 4 * count < 3 * thin.command.size()) continue;
     const auto c = thin.command.segment(std::max<Index>(0, -lag), count);
     const auto a = thin.angle.segment(std::max<Index>(0, lag), count);
     const double rows_of_lag = static_cast<double>(count);
@@ -211,11 +211,11 @@ void CommonCorrelation::Add(const FollowRows& rows) {
   }
 }
 
-double CommonCorrelation::Largest() const {
+double CommonCorrelation::Largest(double sign) const {
   double most = 0.0;
   for (Index i = 0; i < products_.size(); ++i) {
     const double norm = std::sqrt(of_commands_[i] * of_angles_[i]);
-    if (norm > 0.0) most = std::max(most, products_[i] / norm);
+    if (norm > 0.0) most = std::max(most, sign * products_[i] / norm);
   }
   return most;
 }

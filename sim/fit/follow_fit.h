@@ -28,7 +28,7 @@ struct FollowFit {
 ///     a[n] = g c(n - delay) + b,  c linear between rows
 ///
 /// It is the delay of a FitChain(). The start is the largest correlation of all lags from -0.3 s to
-/// 3 s, at most a third of the longest of `parts`. Of lags that are as good within 0.02, as of a
+/// 3 s, at most a quarter of the longest of `parts`. Of lags that are as good within 0.02, as of a
 /// motion that repeats, the earliest counts, a lead after all others. `parts` are stretches of one
 /// log that share delay, gain and offset, such as several short episodes.
 ///
@@ -41,8 +41,8 @@ class CommonCorrelation {
  public:
   explicit CommonCorrelation(double rate_hz);
   void Add(const FollowRows& rows);
-  /// The largest one, of lags from -0.3 s to 3 s; 0 without motion.
-  double Largest() const;
+  /// The largest one, of lags from -0.3 s to 3 s; 0 without motion. `sign` -1: of the opposite.
+  double Largest(double sign) const;
 
  private:
   Eigen::Index thin_;

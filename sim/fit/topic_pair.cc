@@ -58,6 +58,14 @@ struct JointColumn {
   std::optional<double> scale = {};
 };
 
+/// True for `shoulder` and `points_1_positions_shoulder`.
+bool EndsWithName(const std::string& name, const std::string& joint) {
+  if (!name.ends_with(joint)) return false;
+  return name.size() == joint.size() ||
+         name.substr(0, name.size() - joint.size()).ends_with("positions_") ||
+         name.substr(0, name.size() - joint.size()).ends_with("position_");
+}
+
 std::vector<JointColumn> PositionsOf(const FoundTable& table) {
   constexpr std::array kOther = {"veloc",   "effort", "accel",          "torque",
                                  "current", "stamp",  "time_from_start"};
@@ -84,7 +92,11 @@ TopicPair FindTopicPair(const std::string& file, const std::vector<ListedTopic>&
                         const std::string& command, const std::string& state) {
   const auto found_state = state.empty() ? OnlyOne(topics, IsState) : std::optional(state);
   const auto found_command = command.empty() ? OnlyOne(topics, IsCommand) : std::optional(command);
-  if (found_state && found_command && *found_state != *found_command) {
+  if (found_state && found_command && *found_state == *found_command) {
+    throw UserError({.place = "--command " + *found_command,
+                     .problem = "is the topic of the states, must be another"});
+  }
+  if (found_state && found_command) {
     return {*found_command, *found_state, !command.empty() && !state.empty()};
   }
   std::vector<std::string> names;
@@ -114,7 +126,7 @@ ChainColumns PairTopics(const FoundTable& command, const FoundTable& state, cons
   for (const JointColumn& angle : angles) {
     const JointColumn* found = nullptr;
     for (std::size_t i = 0; i < commands.size(); ++i) {
-      if (commands[i].joint != angle.joint) continue;
+      if (!EndsWithName(commands[i].joint, angle.joint)) continue;
       if (found != nullptr) {
         command.reader.Fail(
             commands[i].column + 1,

@@ -117,7 +117,7 @@ TEST_F(AuditTest, NamesTheKindOfCommands) {
   std::vector<std::string> kinds;
   for (const AuditedPart& part : audit.parts) kinds.push_back(part.kind);
   EXPECT_THAT(kinds, ElementsAre("target", "copy", "next_row", "steps", "velocity", "other_part",
-                                 "unrelated", "opposite", "still"));
+                                 "unrelated", "opposite", "command_still"));
   for (const AuditedPart& part : audit.parts) {
     EXPECT_EQ(std::isfinite(part.delay_ms.value), part.is_target()) << part.name;
   }
@@ -199,6 +199,77 @@ TEST_F(AuditTest, FindsOneFaultPerPart) {
   EXPECT_TRUE(audit.faults.empty());
   const std::string text = TextOf(AuditText(audit, false), TerminalStyle());
   EXPECT_LE(std::ranges::count(text, '\n'), 25);
+}
+
+/// Episodes that are not as the others. Wrong: a mean over those that can be fitted.
+TEST_F(AuditTest, NamesEpisodesThatAreNotAsTheOthers) {
+  std::vector<std::vector<Pair>> parts(5);
+  for (int e = 0; e < 20; ++e) {
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      Pair pair = Follow(8.0);
+      const bool is_odd = e == 4 || e == 9 || e == 17;
+      if (is_odd && p == 0) pair.angle.assign(pair.angle.size(), 3.0);
+      if (is_odd && p == 1) pair.angle = Scaled(pair.angle, -1.0, 0.0);
+      if (is_odd && p == 2) pair.command.assign(pair.command.size(), 0.0);
+      if (is_odd && p == 3) pair.angle = Later(pair.angle, 10);
+      if (e == 9 && p == 4) pair.command = pair.angle;
+      parts[p].push_back(std::move(pair));
+    }
+  }
+  const Audit audit = AuditLog(Write(parts), {});
+  const std::string three = " in 3 of 20 episodes (4, 9, 17)";
+  const std::vector<std::string> wanted = {
+      "does not move with its command" + three, "moves against its command" + three,
+      "moves without its command" + three, "is ahead of its command" + three,
+      "has copies of its angle as commands in 1 of 20 episodes (9)"};
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    EXPECT_EQ(audit.parts[p].kind, "target") << p;
+    std::vector<std::string> texts;
+    for (const AuditFault& fault : audit.parts[p].faults) texts.push_back(fault.text);
+    EXPECT_THAT(texts, testing::Contains(wanted[p])) << p;
+  }
+  EXPECT_EQ(VerdictOf(audit).recommended, "fix");
+}
+
+TEST_F(AuditTest, NamesDeadSensorsAndWhatAllAnglesDo) {
+  std::vector<Pair> dead = Episodes(4, 10.0), sound = Episodes(4, 10.0);
+  for (Pair& pair : dead) pair.angle.assign(pair.angle.size(), 1.0);
+  const Audit audit = AuditLog(Write({dead, sound}), {});
+  EXPECT_EQ(audit.parts[0].kind, "angle_still");
+  EXPECT_EQ(VerdictOf(audit).recommended, "fix");
+  std::vector<Pair> one = Episodes(2, 20.0), other = Episodes(2, 20.0);
+  for (auto* const part : {&one, &other}) {
+    Values& angle = (*part)[1].angle;
+    std::fill(angle.begin() + 300, angle.begin() + 400, angle[300]);
+  }
+  const Audit frozen = AuditLog(Write({one, other}), {});
+  EXPECT_THAT(KeysOf(frozen.faults), ElementsAre("frozen"));
+  EXPECT_THAT(VerdictOf(frozen).Text(),
+              HasSubstr("Fix first: all angles stand still for 3.3 s from 10.0 s of episode 1"));
+}
+
+/// In one log without episodes, too.
+TEST_F(AuditTest, SaysFromWhenOnALogChanges) {
+  Pair slips = Follow(120.0), jumps = Follow(60.0, 0.03);
+  for (std::size_t n = slips.angle.size() / 2; n < slips.angle.size(); ++n) slips.angle[n] += 12.0;
+  const Pair later = Follow(60.0, 0.15);
+  jumps.command.insert(jumps.command.end(), later.command.begin(), later.command.end());
+  jumps.angle.insert(jumps.angle.end(), later.angle.begin(), later.angle.end());
+  const Audit audit = AuditLog(Write({{slips}, {jumps}}), {});
+  ASSERT_EQ(audit.parts[0].faults.size(), 1U);
+  EXPECT_EQ(audit.parts[0].faults[0].text, "is 12.0 deg off from 60 to 120 s");
+  ASSERT_EQ(audit.parts[1].faults.size(), 1U);
+  EXPECT_THAT(audit.parts[1].faults[0].text, testing::MatchesRegex(".*jumps from .* ms at 60 s"));
+}
+
+/// Motions of few seconds are alike by chance.
+TEST_F(AuditTest, AsksForMoreOfAShortLog) {
+  int believed = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Audit audit = AuditLog(Write({{{Follow(4.0).command, Follow(4.0).angle}}}), {});
+    believed += audit.parts[0].kind == "unrelated" ? 0 : 1;
+  }
+  EXPECT_LE(believed, 8);
 }
 
 TEST_F(AuditTest, HasNoFaultInSoundData) {

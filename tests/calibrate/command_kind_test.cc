@@ -66,6 +66,56 @@ TEST(CommandKind, IsThatOfSimulatedLogs) {
   }
 }
 
+/// Coarse digits of command or angle, and long rests, make no copy. Wrong: half of the coarser step
+/// as the tolerance; rows at rest that count.
+TEST(CommandKind, OfCoarseOrRestingTargetsIsATarget) {
+  std::mt19937 random(5);
+  int wrong = 0, all = 0;
+  for (const double rate_hz : {30.0, 50.0}) {
+    for (const double command_step : {0.0, 0.088, 1.0}) {
+      for (const double angle_step : {0.0, 0.088, 0.24, 0.5}) {
+        for (int repetition = 0; repetition < 4; ++repetition) {
+          const Values target = Reaches(40.0, random);
+          const Values moved = command_step > 0.0 ? Rounded(target, command_step) : target;
+          const Values c = Thinned(moved, rate_hz);
+          const Values a = Measured(Thinned(ServoAnswer(moved, 0.073, random), rate_hz), 0.03,
+                                    angle_step, random);
+          ++all;
+          wrong += FindCommandKind(c, a, rate_hz) == CommandKind::kTarget ? 0 : 1;
+        }
+      }
+    }
+  }
+  EXPECT_LE(wrong, 0.01 * all) << wrong << " of " << all;
+  // A gripper that closes once in ten seconds.
+  Values command, angle;
+  double lagged = 0.0;
+  std::normal_distribution<double> noise(0.0, 0.05);
+  for (int n = 0; n < 500; ++n) {
+    command.push_back(std::clamp((n - 200) / 25.0, 0.0, 1.0) * 50.0);
+    lagged += (command.back() - lagged) * 0.2;
+    angle.push_back(lagged + noise(random));
+  }
+  EXPECT_EQ(FindCommandKind(command, angle, 50.0), CommandKind::kTarget);
+}
+
+/// A chunk of actions is the angle of many rows later; so is one in half floats.
+TEST(CommandKind, OfFarRowsAndHalfFloatsIsACopy) {
+  std::mt19937 random(6);
+  const Values angle =
+      Measured(Thinned(ServoAnswer(Reaches(40.0, random), 0.1, random), 50.0), 0.03, 0.0, random);
+  for (const int rows : {6, 8, 15, 25}) {
+    EXPECT_EQ(FindCommandKind(Later(angle, rows), angle, 50.0), CommandKind::kLaterRow) << rows;
+  }
+  Values halves = Later(angle, 1);
+  for (double& value : halves) {
+    int exponent = 0;
+    const double digits = std::frexp(value, &exponent);
+    value = std::ldexp(std::round(std::ldexp(digits, 11)), exponent - 11);
+  }
+  EXPECT_EQ(FindCommandKind(halves, angle, 50.0), CommandKind::kNextRow);
+}
+
 TEST(CommandKind, OfAStillOrShortLogIsATarget) {
   EXPECT_EQ(FindCommandKind(Values(100, 3.0), Values(100, 3.0), 30.0), CommandKind::kTarget);
   EXPECT_EQ(FindCommandKind(Values{1.0, 2.0}, Values{1.0, 2.0}, 30.0), CommandKind::kTarget);
@@ -88,7 +138,7 @@ TEST(CommandKind, OfASineThatLagsByAQuarterIsATarget) {
   Values command, angle;
   for (int n = 0; n < 1000; ++n) {
     command.push_back(20.0 * std::sin(2.0 * kPi * 0.5 * n / 30.0));
-    angle.push_back(20.0 * std::sin(2.0 * kPi * (0.5 * n / 30.0 - 0.25)));
+    angle.push_back(20.0 * std::sin(2.0 * kPi * (0.5 * n / 30.0 - 0.2375)));
   }
   EXPECT_EQ(FindCommandKind(command, angle, 30.0), CommandKind::kTarget);
 }

@@ -287,7 +287,7 @@ TEST_F(BagTest, MayHaveUnsetBytesBehindEmptyLists) {
   MakeBag(file, "sensor_msgs/msg/JointState", {padded(1, "12345678"), padded(2, "87654321")});
   EXPECT_EQ(test::TextOf(TableSource(file)), "time_s,a_rad\n1e-09,1\n2e-09,2\n");
   MakeBag(file, "sensor_msgs/msg/JointState", {padded(1, "1234567890123456")});
-  EXPECT_THAT(ErrorOfTopic(file), HasSubstr("a message is longer than its type"));
+  EXPECT_THROW(TableSource(file, "/joints"), UserError);
 }
 
 TEST_F(BagTest, NamesTheUnitOfJointsThatSlide) {

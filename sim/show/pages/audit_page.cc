@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sim/fit/audit_tables.h"
+#include "sim/fit/fit_tables.h"
 #include "sim/results/html_text.h"
 #include "sim/show/figure/panel.h"
 #include "sim/show/pages/cells_chart.h"
@@ -116,7 +117,9 @@ std::string FigureOf(const Audit& audit, const AuditedPart& part) {
 
 std::string AuditPage(const Audit& audit) {
   std::string verdict;
-  for (const std::string& sentence : VerdictOf(audit, "below").Answer()) verdict += sentence + " ";
+  const Verdict all = VerdictOf(audit, "below");
+  for (const std::string& sentence : all.Answer()) verdict += sentence + " ";
+  for (const std::string& doubt : all.Doubts()) verdict += "Warning: " + doubt + " ";
   std::string sections;
   if (const std::string delays = DelaySvg(audit); !delays.empty()) {
     sections += PageSection("delays", "Delay",
