@@ -24,6 +24,7 @@ constexpr double kStretch_s = 10.0;
 constexpr double kShortest_s = 5.0;   // of a stretch
 constexpr double kLeastRest_s = 2.5;  // of what is left at the end
 constexpr double kMovingShare = 0.2;  // of the longest: the stretch counts
+constexpr double kAnswer_s = 1.5;     // within which an angle moves after its command
 constexpr double kMovesOn = 0.1;      // of the longest: a command that an angle does not follow
 constexpr double kLook = 0.9;         // severity of what may have its reasons
 constexpr Index kFewestRows = 20;
@@ -37,15 +38,18 @@ FollowRows Piece(const FollowRows& rows, Index first, Index count) {
   return {rows.command.segment(first, count), rows.angle.segment(first, count)};
 }
 
-/// Pieces of about 10 s; one for rows below 20 s.
-std::vector<FollowRows> Pieces(const FollowRows& rows, double rate_hz) {
+/// Pieces of about 10 s; one for rows below 20 s. Each begins and ends `overlap_s` within its
+/// neighbours.
+std::vector<FollowRows> Pieces(const FollowRows& rows, double rate_hz, double overlap_s) {
   const Index count = rows.command.size();
+  const Index overlap = std::lround(overlap_s * rate_hz);
   const double duration_s = static_cast<double>(count) / rate_hz;
   const auto pieces = std::max<Index>(1, static_cast<Index>(duration_s / kStretch_s));
   std::vector<FollowRows> result;
   for (Index i = 0; i < pieces; ++i) {
-    const Index first = i * count / pieces;
-    result.push_back(Piece(rows, first, (i + 1) * count / pieces - first));
+    const Index first = std::max<Index>(0, i * count / pieces - overlap);
+    const Index end = std::min(count, (i + 1) * count / pieces + overlap);
+    result.push_back(Piece(rows, first, end - first));
   }
   return result;
 }
@@ -101,6 +105,7 @@ std::string ShortValue(double value, const std::string& unit) {
 }
 
 constexpr double kExplained = 0.7;  // of the variance: a line or a jump
+constexpr double kAsGood = 0.1;     // of the same: a jump before a line
 
 /// Values over something, as a line and as two levels.
 struct Course {
@@ -166,17 +171,19 @@ void PartAudit::Add(const PartInRows& rows) {
       if (pending_s_ >= kShortest_s) FinishPending();
       continue;
     }
-    double first_s = rows.first_s;
-    for (const FollowRows& piece : Pieces(whole, rows.rate_hz)) {
-      Fit({piece}, {rows.episode}, rows.rate_hz, first_s);
-      first_s += static_cast<double>(piece.command.size()) / rows.rate_hz;
+    // An angle may move after the command did, or a command before the angle does.
+    const std::vector<FollowRows> pieces = Pieces(whole, rows.rate_hz, kAnswer_s);
+    const double length_s = duration_s / static_cast<double>(pieces.size());
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      Fit({pieces[i]}, {rows.episode}, rows.rate_hz,
+          rows.first_s + length_s * static_cast<double>(i), length_s);
     }
   }
 }
 
 void PartAudit::FinishPending() {
   if (pending_.empty()) return;
-  Fit(pending_, pending_episodes_, pending_rate_hz_, 0.0);
+  Fit(pending_, pending_episodes_, pending_rate_hz_, 0.0, pending_s_);
   pending_.clear();
   pending_episodes_.clear();
   pending_s_ = 0.0;
@@ -184,7 +191,7 @@ void PartAudit::FinishPending() {
 
 void PartAudit::JudgeKind(const PartInRows& rows) {
   if (rows.raw.command.size() < kFewestRows) return;
-  for (const FollowRows& piece : Pieces(rows.raw, rows.rate_hz)) {
+  for (const FollowRows& piece : Pieces(rows.raw, rows.rate_hz, 0.0)) {
     const double travel = RangeOf(piece.command);
     if (!(travel > 0.0) || !(RangeOf(piece.angle) > 0.0)) continue;
     const auto count = static_cast<std::size_t>(piece.command.size());
@@ -195,12 +202,15 @@ void PartAudit::JudgeKind(const PartInRows& rows) {
 }
 
 void PartAudit::Fit(const std::vector<FollowRows>& rows, const std::vector<double>& episodes,
-                    double rate_hz, double first_s) {
-  Stretch stretch{.episodes = episodes, .first_s = first_s, .rate_hz = rate_hz};
+                    double rate_hz, double first_s, double length_s) {
+  Stretch stretch{
+      .episodes = episodes, .first_s = first_s, .length_s = length_s, .rate_hz = rate_hz};
   for (const FollowRows& part : rows) {
-    stretch.length_s += static_cast<double>(part.command.size()) / rate_hz;
     stretch.travel = std::max(stretch.travel, RangeOf(part.command));
     stretch.angle_travel = std::max(stretch.angle_travel, RangeOf(part.angle));
+    const Index answered = std::min<Index>(std::lround(kAnswer_s * rate_hz), part.angle.size() / 2);
+    stretch.later_travel =
+        std::max(stretch.later_travel, RangeOf(part.angle.tail(part.angle.size() - answered)));
   }
   if (stretch.travel > 0.0 && stretch.angle_travel > 0.0) {
     stretch.fit = FitFollowing(rows, rate_hz);
@@ -220,6 +230,9 @@ void PartAudit::Fit(const std::vector<FollowRows>& rows, const std::vector<doubl
       }
     }
     stretch.offset = controller::MedianOf(errors);
+    for (const FollowRows& part : rows) {
+      stretch.place += part.command.sum() / static_cast<double>(errors.size());
+    }
     std::vector<double> sizes;
     for (const double error : errors) sizes.push_back(std::abs(error));
     stretch.least_error = Quantile(std::move(sizes), 0.05);
@@ -416,7 +429,7 @@ void PartAudit::FindOddStretches(std::size_t episodes, AuditedPart& part) const 
     std::string how;
     if (!Moves(stretch)) {
       const bool moves_alone = stretch.travel < kStillShare * longest_travel_ &&
-                               stretch.angle_travel > kMovingShare * longest_travel_;
+                               stretch.later_travel > kMovingShare * longest_travel_;
       if (moves_alone) how = "moves without its command";
     } else if (stretch.angle_travel < kStillShare * stretch.travel) {
       how = "does not move with its command";
@@ -445,11 +458,12 @@ void PartAudit::FindOddStretches(std::size_t episodes, AuditedPart& part) const 
 }
 
 /// A gripper or finger closes on objects: its angle stops before its command. So may any part that
-/// stands still while its command moves, in most of these episodes.
+/// stands still while its command moves, in most of these episodes, if there are several.
 bool PartAudit::MayTouch(const std::set<double>& episodes) const {
   constexpr std::string_view kWords =
       "gripper grip jaw claw finger fingers hand thumb index middle ring little pinky mcp pip dip";
   if (HasWordOf(WordsOf(name_), kWords)) return true;
+  if (judged_.empty() || judged_.front().episode == judged_.back().episode) return false;
   std::set<double> stopped;
   for (const Freeze& freeze : freezes_) {
     if (freeze.command_travel >= kMovesOn * longest_travel_ && episodes.contains(freeze.episode)) {
@@ -491,7 +505,7 @@ void PartAudit::FinishDelay(const std::vector<const Stretch*>& moving, AuditedPa
   const Course over_all = CourseOf(order, delays_ms),
                over_episode = CourseOf(in_episode, delays_ms);
   std::string how;
-  if (over_all.jump > kExplained && over_all.jump > over_all.line) {
+  if (over_all.jump > kExplained && over_all.jump > over_all.line - kAsGood) {
     const Stretch& at = *moving[static_cast<std::size_t>(over_all.at)];
     how = fmt::format("jumps from {:.0f} to {:.0f} ms at {}", over_all.before, over_all.behind,
                       is_one ? fmt::format("{:.0f} s", at.first_s)
@@ -518,10 +532,11 @@ void PartAudit::FinishDelay(const std::vector<const Stretch*>& moving, AuditedPa
 
 void PartAudit::FinishOffset(const std::vector<const Stretch*>& moving, const std::string& unit,
                              std::size_t episodes, AuditedPart& part) const {
-  std::vector<double> offsets, gains, unexplained;
+  std::vector<double> offsets, gains, places, unexplained;
   double rest_squares = 0.0, rest_rows = 0.0, squares = 0.0;
   for (const Stretch* const stretch : moving) {
     offsets.push_back(stretch->offset);
+    places.push_back(stretch->place);
     gains.push_back(stretch->fit.gain);
     squares += stretch->fit.residual_rms * stretch->fit.residual_rms;
     unexplained.push_back(std::sqrt(1.0 - std::min(1.0, std::pow(stretch->fit.correlation, 2))));
@@ -563,12 +578,15 @@ void PartAudit::FinishOffset(const std::vector<const Stretch*>& moving, const st
   Places off;
   std::vector<double> of_off;
   bool is_off_throughout = false;
+  const double middle = controller::MedianOf(places);
   for (const Stretch* const stretch : moving) {
-    if (!(std::abs(stretch->offset) > limit)) continue;
+    // With another gain than 1, the error depends on the place.
+    const double offset = stretch->offset - (part.gain.value - 1.0) * (stretch->place - middle);
+    if (!(std::abs(offset) > limit)) continue;
     off.Add(stretch->episodes, stretch->first_s, stretch->length_s);
-    of_off.push_back(stretch->offset);
+    of_off.push_back(offset);
     // A part that an object stops is not off where it moves freely.
-    is_off_throughout |= stretch->least_error > 0.5 * std::abs(stretch->offset);
+    is_off_throughout |= stretch->least_error > 0.5 * std::abs(offset);
   }
   if (of_off.empty()) return;
   const double offset = controller::MedianOf(of_off);

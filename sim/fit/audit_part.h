@@ -40,7 +40,9 @@ class PartAudit {
     double rate_hz = 0.0;
     double travel = 0.0;  // of the command
     double angle_travel = 0.0;
+    double later_travel = 0.0;  // of the angle, but for the beginning
     FollowFit fit = {};
+    double place = 0.0;         // mean of the command
     double offset = 0.0;        // median of the angle less the delayed command
     double least_error = 0.0;   // 5 % of the same are smaller in size
     double residual = 0.0;      // RMS of the angle less the delayed command
@@ -59,7 +61,7 @@ class PartAudit {
   };
 
   void Fit(const std::vector<FollowRows>& rows, const std::vector<double>& episodes, double rate_hz,
-           double first_s);
+           double first_s, double length_s);
   void FindFreezes(const FollowRows& rows, double episode, double rate_hz, const FollowFit& fit);
   void AddSamples(const FollowRows& rows, const FollowFit& fit);
   void JudgeKind(const PartInRows& rows);

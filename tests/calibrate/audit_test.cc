@@ -156,6 +156,13 @@ TEST_F(AuditTest, TakesStepsAndRestForTargets) {
   EXPECT_GT(audit.parts[0].delay_ms.value, 30.0);
   EXPECT_LT(audit.parts[0].delay_ms.value, 130.0);
   EXPECT_EQ(audit.parts[1].kind, "unrelated");
+  // Rests that are as long as a stretch: the answer to a step may lie in the next one.
+  Values rare;
+  for (int n = 0; n < 150000; ++n) rare.push_back((n / 7300) % 2 == 0 ? 20.0 : 120.0);
+  const Pair slow{Thinned(rare, 20.0), Rounded(Thinned(SecondOrder(rare, 0.1, 1.5), 20.0), 1.0)};
+  const AuditedPart part = AuditLog(Write({{slow}}, 20.0), {}).parts[0];
+  EXPECT_EQ(part.kind, "target");
+  EXPECT_THAT(KeysOf(part.faults), testing::Not(testing::Contains("odd")));
 }
 
 TEST_F(AuditTest, FindsOneFaultPerPart) {
