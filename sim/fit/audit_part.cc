@@ -550,6 +550,14 @@ void PartAudit::FinishOffset(const std::vector<const Stretch*>& moving, const st
   if (rest_rows >= kFewestRest) part.rest_error = std::sqrt(rest_squares / rest_rows);
   constexpr double kMostUnexplained = 0.25;
   const double share = controller::MedianOf(unexplained);
+  constexpr double kExact = 1e-4;
+  if (share < kExact) {
+    part.faults.push_back(
+        {"exact",
+         "equals its delayed command to the last digits: a simulation, or commands "
+         "that were made of the angles",
+         0.5});
+  }
   if (share > kMostUnexplained) {
     part.faults.push_back({"unexplained",
                            fmt::format("moves by {:.0f} % other than its delayed command: contact, "

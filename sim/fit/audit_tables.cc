@@ -198,6 +198,28 @@ std::string DelaysText(const Audit& audit) {
       RangeText(delays_ms, 0));
 }
 
+/// A fault and the parts that have it, to the letter.
+struct GroupedFault {
+  const AuditFault* fault = nullptr;
+  std::vector<std::string> names = {};
+};
+
+std::vector<GroupedFault> GroupedFaults(const Audit& audit) {
+  std::vector<GroupedFault> groups;
+  for (const AuditedPart* const part : ByFault(audit)) {
+    for (const AuditFault& fault : part->faults) {
+      const auto same = std::ranges::find_if(
+          groups, [&](const GroupedFault& group) { return group.fault->text == fault.text; });
+      if (same != groups.end()) {
+        same->names.push_back(part->name);
+      } else {
+        groups.push_back({&fault, {part->name}});
+      }
+    }
+  }
+  return groups;
+}
+
 Verdict WithWarnings(const Audit& audit, Verdict verdict) {
   for (const AuditFault& fault : audit.faults) {
     if (fault.severity <= kGrave) verdict.AddWarning(fault.key, fault.text + ".");
@@ -219,11 +241,11 @@ Verdict VerdictOf(const Audit& audit, const std::string& others_at) {
   std::vector<std::string> fix = KindSentences(audit, false);
   std::vector<std::string> look;
   bool has_offset = false;
-  for (const AuditedPart* const part : ByFault(audit)) {
-    for (const AuditFault& fault : part->faults) {
-      has_offset |= fault.key == "offset";
-      (fault.severity < 1.0 ? look : fix).push_back(part->name + " " + fault.text);
-    }
+  for (const GroupedFault& group : GroupedFaults(audit)) {
+    has_offset |= group.fault->key == "offset";
+    const std::string parts = PartsText(group.names, audit.parts.size());
+    (group.fault->severity < 1.0 ? look : fix)
+        .push_back(parts + (group.names.size() > 1 ? ": each " : " ") + group.fault->text);
   }
   for (const AuditFault& fault : audit.faults) {
     if (fault.severity > kGrave) fix.insert(fix.begin(), fault.text);

@@ -208,10 +208,9 @@ CommandKind FindCommandKind(std::span<const double> command, std::span<const dou
   if (copies.IsCopy(-1)) return CommandKind::kEarlierRow;
   constexpr double kLongestDelay_s = 3.0;
   constexpr double kLatestSum_s = 1.5;
-  constexpr Index kLatestSum = 3;  // of an angle that a target explains, too
-  constexpr double kGood = 0.3;    // residual share of a sum that is the angle
-  constexpr double kBetter = 0.5;  // than that of a target
-  constexpr double kNearlyCopy = 0.1;
+  constexpr Index kLatestSum = 3;   // of an angle that a target explains, too
+  constexpr double kGood = 0.3;     // residual share of a sum that is the angle
+  constexpr double kBetter = 0.5;   // than that of a target
   constexpr double kPoor = 0.2;     // residual share of a target that explains little
   constexpr double kNear = 1.25;    // factor of the gain
   constexpr double kFlatter = 1.8;  // the same of an angle far behind
@@ -221,12 +220,6 @@ CommandKind FindCommandKind(std::span<const double> command, std::span<const dou
     return std::min<Index>(c.size() / 4, std::lround(longest_s * rate_hz));
   };
   const LinearFit as_target = Best(c, a, most(kLongestDelay_s), false);
-  if (as_target.residual_share < kNearlyCopy) {  // of a chunk of actions, many rows later
-    const Index near = as_target.rows / 10 + 1;
-    for (Index rows = as_target.rows - near; rows <= as_target.rows + near; ++rows) {
-      if (rows > kLatestCopy && copies.IsCopy(rows)) return CommandKind::kLaterRow;
-    }
-  }
   const bool is_poor = as_target.residual_share > kPoor;
   // Half a turn later, the sum of a motion that repeats is the motion.
   const LinearFit as_sum =

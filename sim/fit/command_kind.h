@@ -19,7 +19,7 @@ enum class CommandKind {
 
 /// Finds what a command is from how it fits the angle:
 ///
-///     copy            c[n] = g a[n + k] + b,  k = -1..3 s, in rows that move, but for rounding
+///     copy            c[n] = g a[n + k] + b,  k = -1..5, in rows that move, but for rounding
 ///     steps, velocity a[n] = g sum(c[0..n - k]) + b + d n,  k up to 1.5 s; better than any
 ///                     a[n] = g c[n - k] + b,  k up to 3 s;  g about 1: steps, 1 / rate: velocity,
 ///                     else changes
