@@ -72,7 +72,9 @@ class AuditTest : public testing::Test {
     }
     out << "\n";
     for (std::size_t e = 0; e < parts.front().size(); ++e) {
-      for (std::size_t n = 0; n < parts.front()[e].command.size(); ++n) {
+      std::size_t rows = parts.front()[e].command.size();
+      for (const auto& part : parts) rows = std::min(rows, part[e].command.size());
+      for (std::size_t n = 0; n < rows; ++n) {
         out << fmt::format("{},{:.9g}", e, static_cast<double>(n) / rate_hz);
         for (const auto& part : parts) out << fmt::format(",{:.10g}", part[e].command[n]);
         for (const auto& part : parts) out << fmt::format(",{:.10g}", part[e].angle[n]);
