@@ -64,8 +64,9 @@ For each part, audit reports:
   motion it counts: a policy that learns from angles and acts by commands is
   wrong by as much.
 - The gain, the error at rest and the residual (--verbose).
-- Faults: clipped commands, an angle that stops or stands still, jumps by a
-  full turn, motion that the command does not explain.
+- Faults: episodes that are not as the others (still, opposite, ahead, copies),
+  clipped commands, an angle that stops or stands still, jumps by a full turn,
+  motion that the command does not explain.
 
 Of the data set it reports angles that are older than their rows, repeated rows, gaps and two
 senders. An episode above 20 s is cut into stretches of 10 s, episodes below 5 s are used together.

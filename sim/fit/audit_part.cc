@@ -702,7 +702,7 @@ AuditedPart PartAudit::Finish(const std::vector<double>& episodes, const std::st
     for (const double episode : stretch->episodes) {
       const auto place = std::ranges::find(episodes, episode) - episodes.begin();
       AuditedEpisode& one = part.episodes[static_cast<std::size_t>(place)];
-      // Of several stretches the one with the largest residual.
+      // The stretch with the largest residual stands for its episode.
       if (one.residual >= stretch->residual) continue;
       one = {1e3 * stretch->fit.delay_rows / stretch->rate_hz, stretch->offset, stretch->residual};
     }

@@ -113,15 +113,7 @@ ResultTable TableOf(const Audit& audit, const std::vector<const AuditedPart*>& p
 
 /// "all 6 parts", "wrist", "wrist and thumb", "thumb, index, middle and 3 others"
 std::string PartsText(const std::vector<std::string>& names, std::size_t all) {
-  constexpr std::size_t kMost = 3;
-  if (names.size() == all && all > 1) return fmt::format("all {} parts", all);
-  std::vector<std::string> shown(
-      names.begin(),
-      names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), kMost + 1)));
-  if (names.size() > kMost + 1) {
-    shown.back() = fmt::format("{} others", names.size() - kMost);
-  }
-  return Listed(std::move(shown));
+  return names.size() == all && all > 1 ? fmt::format("all {} parts", all) : FirstNames(names);
 }
 
 /// "the commands of all 6 parts are copies of the angles: ..", from "its commands are copies of its
@@ -328,6 +320,16 @@ ResultText AuditText(const Audit& audit, bool verbose) {
   return text;
 }
 
+namespace {
+
+Json JsonOfFaults(const std::vector<AuditFault>& faults) {
+  Json list = Json::array();
+  for (const AuditFault& fault : faults) list.push_back({{"key", fault.key}, {"text", fault.text}});
+  return list;
+}
+
+}  // namespace
+
 std::string AuditJson(const Audit& audit) {
   Json parts = JsonOf(TableOf(audit, AllParts(audit), true));
   const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
@@ -335,10 +337,7 @@ std::string AuditJson(const Audit& audit) {
     const AuditedPart& part = audit.parts[i];
     parts[i]["kind_text"] = part.kind_text;
     parts[i]["delay_stays"] = part.delay_stays;
-    parts[i]["faults"] = Json::array();
-    for (const AuditFault& fault : part.faults) {
-      parts[i]["faults"].push_back({{"key", fault.key}, {"text", fault.text}});
-    }
+    parts[i]["faults"] = JsonOfFaults(part.faults);
     parts[i]["episodes"] = Json::array();
     for (std::size_t e = 0; e < part.episodes.size(); ++e) {
       const AuditedEpisode& one = part.episodes[e];
@@ -354,6 +353,7 @@ std::string AuditJson(const Audit& audit) {
                      {"rate_hz", audit.rate_hz},
                      {"angle_unit", audit.unit == "deg" ? "deg" : "unknown"},
                      {"verdict", JsonOf(VerdictOf(audit))},
+                     {"faults", JsonOfFaults(audit.faults)},
                      {"parts", parts}};
   return json.dump(2) + "\n";
 }

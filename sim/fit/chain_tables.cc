@@ -68,17 +68,6 @@ ResultTable DelayTable(const ChainLog& log, const std::vector<ChainFit>& fits,
   return table;
 }
 
-/// "a, b and 3 others"
-std::string FirstNames(std::vector<std::string> names) {
-  constexpr std::size_t kMost = 3;
-  if (names.size() > kMost + 1) {
-    const std::size_t others = names.size() - kMost;
-    names.resize(kMost);
-    names.push_back(fmt::format("{} others", others));
-  }
-  return Listed(std::move(names));
-}
-
 std::string CountOf(std::size_t count, std::size_t all) {
   return all == 1 ? "" : fmt::format(" of {} of {} parts", count, all);
 }

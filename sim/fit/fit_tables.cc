@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "sim/results/table_text.h"
 
 namespace gauntlet::sim {
 
@@ -20,6 +23,16 @@ std::string RangeText(const std::vector<double>& values, int digits) {
   const auto [low, high] = std::ranges::minmax(values);
   const std::string first = FixedText(low, digits), last = FixedText(high, digits);
   return first == last ? first : first + " to " + last;
+}
+
+std::string FirstNames(std::vector<std::string> names) {
+  constexpr std::size_t kMost = 3;
+  if (names.size() > kMost + 1) {
+    const std::size_t others = names.size() - kMost;
+    names.resize(kMost);
+    names.push_back(fmt::format("{} others", others));
+  }
+  return Listed(std::move(names));
 }
 
 ResultCell FixedCell(double value, int digits) { return {{value}, FixedText(value, digits)}; }

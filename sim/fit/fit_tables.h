@@ -13,6 +13,9 @@ std::string FixedText(double value, int digits);
 /// "46.0", or "46.0 to 132.6". Precondition: values.
 std::string RangeText(const std::vector<double>& values, int digits);
 
+/// "a, b and c", "a, b, c and 3 others"
+std::string FirstNames(std::vector<std::string> names);
+
 ResultCell FixedCell(double value, int digits);
 /// "46.0 (44.1..47.9)"
 ResultCell IntervalCell(const ChainEstimate& estimate, int digits);
