@@ -123,17 +123,24 @@ Finding CheckVideo() {
   return Ok("OSMesa draws, libav has an encoder for H.264");
 }
 
-/// "avcodec 59.37.100" of a path to libavcodec.so.59.37.100; empty for libraries that cannot change
-/// results or formats.
+/// "avcodec 59.37.100" of a path to libavcodec.so.59.37.100, or libavcodec-1a2b3c4d.so.59.37.100 as
+/// wheels name it; empty for libraries that cannot change results or formats.
 std::string LibraryVersion(const fs::path& loaded) {
   static constexpr std::array<std::string_view, 12> kNames = {
       "OSMesa", "avcodec",   "avformat", "cairo",   "fmt",      "hdf5_serial",
       "matio",  "nlopt_cxx", "sqlite3",  "swscale", "yaml-cpp", "z"};
   std::error_code ignored;
   const std::string file = fs::canonical(loaded, ignored).filename().string();
+  const auto ending = file.find(".so.");
+  if (ending == std::string::npos) return "";
+  constexpr std::size_t kHash = std::string_view("-1a2b3c4d").size();
   for (const std::string_view name : kNames) {
-    const std::string before = fmt::format("lib{}.so.", name);
-    if (file.starts_with(before)) return fmt::format("{} {}", name, file.substr(before.size()));
+    const std::string before = fmt::format("lib{}", name);
+    const std::size_t rest = ending - std::min(ending, before.size());
+    if (!file.starts_with(before) || (rest != 0 && (rest != kHash || file[before.size()] != '-'))) {
+      continue;
+    }
+    return fmt::format("{} {}", name, file.substr(ending + std::string_view(".so.").size()));
   }
   return "";
 }
@@ -199,7 +206,7 @@ const std::vector<Check>& Checks() {
       {"program", CheckProgram, ""},
       {"MuJoCo", CheckModel, "install Gauntlet again, unset GAUNTLET_DATA_DIR"},
       {"output", CheckOutputFolder, "change to a folder that you may write"},
-      {"video", CheckVideo, "install Gauntlet again"},
+      {"video", CheckVideo, "install what is missing, or Gauntlet again"},
       {"libraries", CheckLibraries, ""},
       {"real time", CheckRealTime, ""},
       {"Chromium", [] { return CheckProgramInPath("chromium", "chromium", "a test of pages"); },

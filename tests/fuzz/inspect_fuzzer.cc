@@ -6,12 +6,17 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "sim/show/video/cairo_painter.h"
 #include "sim/show/video/recording_picture.h"
 #include "sim/study/scenario/scenario_reader.h"
 #include "sim/tables/time_text.h"
 #include "tests/inspect/inspected_text.h"
 
 namespace gauntlet::sim {
+
+/// Without the drawing library, which has no sanitizers.
+std::unique_ptr<Painter> OpenPainter(ImageView image) { return OpenCairoPainter(image); }
+
 namespace {
 
 void Check(const std::string& problem) {

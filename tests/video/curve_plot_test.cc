@@ -22,7 +22,8 @@ Image DrawCurve(const std::vector<double>& angle_deg, int frame, double rate_hz 
   for (double angle : angle_deg) angle_rad.push_back(kRadPerDeg * angle);
   Image image(260, 140);
   image.pixels.assign(image.pixels.size(), kWhite);
-  Painter painter(image);
+  const std::unique_ptr<Painter> opened = OpenPainter(image);
+  Painter& painter = *opened;
   const FrameClock clock(rate_hz, 30, static_cast<std::int64_t>(angle_deg.size()), excerpt);
   const CurvePlot plot(kArea, 1.0, kScale, clock);
   const Curve curves[] = {{angle_rad, kBlack, 1.0, false}};
@@ -104,7 +105,8 @@ TEST(CurvePlot, FillsDownToZero) {
   const std::vector<double> angle_rad(3000, kRadPerDeg * 50.0);
   Image image(260, 140);
   image.pixels.assign(image.pixels.size(), kWhite);
-  Painter painter(image);
+  const std::unique_ptr<Painter> opened = OpenPainter(image);
+  Painter& painter = *opened;
   const CurvePlot plot(kArea, 1.0, kScale, FrameClock(1000.0, 30, 3000, {}));
   const Curve curves[] = {{.angle_rad = angle_rad, .color = kBlack, .filled = true}};
   plot.Draw(painter, 60, curves);

@@ -32,7 +32,8 @@ void WriteHandPng(const HandModel& hand, std::span<const double> joint_angle_rad
   }
   Image picture(view.width_px, view.height_px);
   {
-    Painter painter(picture);
+    const std::unique_ptr<Painter> opened = OpenPainter(picture);
+    Painter& painter = *opened;
     painter.FillGradient(
         {0.0, 0.0, static_cast<double>(view.width_px), static_cast<double>(view.height_px)},
         palette::kViewTop, palette::kViewBottom);

@@ -9,7 +9,7 @@ namespace {
 
 TEST(Painter, FillsWholePixelsExactly) {
   Image image(10, 10);
-  { Painter(image).Fill({2.0, 3.0, 4.0, 5.0}, Rgb(0x336699)); }
+  { OpenPainter(image)->Fill({2.0, 3.0, 4.0, 5.0}, Rgb(0x336699)); }
   for (int y = 0; y < 10; ++y) {
     for (int x = 0; x < 10; ++x) {
       const bool inside = x >= 2 && x < 6 && y >= 3 && y < 8;
@@ -22,7 +22,8 @@ TEST(Painter, LaysAPictureOverByItsAlpha) {
   Image image(2, 1), picture(2, 1);
   picture.pixels = {0xff0000ffu, 0x00000000u};
   {
-    Painter painter(image);
+    const std::unique_ptr<Painter> opened = OpenPainter(image);
+    Painter& painter = *opened;
     painter.Fill({0.0, 0.0, 2.0, 1.0}, Rgb(0xffffff));
     painter.Picture(picture, 0, 0);
   }
@@ -33,7 +34,8 @@ TEST(Painter, LaysAPictureOverByItsAlpha) {
 TEST(Painter, ClipsUntilToldOtherwise) {
   Image image(4, 1);
   {
-    Painter painter(image);
+    const std::unique_ptr<Painter> opened = OpenPainter(image);
+    Painter& painter = *opened;
     painter.Clip({0.0, 0.0, 2.0, 1.0});
     painter.Fill({0.0, 0.0, 4.0, 1.0}, Rgb(0xffffff));
     painter.Unclip();
@@ -45,7 +47,7 @@ TEST(Painter, ClipsUntilToldOtherwise) {
 TEST(Painter, AValueThatIsMissingInterruptsALine) {
   Image image(30, 3);
   const Point points[] = {{0.0, 1.5}, {10.0, 1.5}, {NAN, NAN}, {20.0, 1.5}, {30.0, 1.5}};
-  { Painter(image).Polyline(points, Rgb(0xffffff), 1.0); }
+  { OpenPainter(image)->Polyline(points, Rgb(0xffffff), 1.0); }
   EXPECT_EQ(image.Row(1)[5], 0xffffffffu);
   EXPECT_EQ(image.Row(1)[15], 0u);
   EXPECT_EQ(image.Row(1)[25], 0xffffffffu);
@@ -54,7 +56,7 @@ TEST(Painter, AValueThatIsMissingInterruptsALine) {
 TEST(Painter, FillsBetweenALineAndAHeightButNotWhereValuesAreMissing) {
   Image image(40, 10);
   const Point points[] = {{0.0, 2.0}, {10.0, 2.0}, {NAN, NAN}, {20.0, 8.0}, {30.0, 8.0}};
-  { Painter(image).FillBetween(points, 5.0, Rgb(0xffffff)); }
+  { OpenPainter(image)->FillBetween(points, 5.0, Rgb(0xffffff)); }
   EXPECT_EQ(image.Row(1)[5], 0u);
   EXPECT_EQ(image.Row(3)[5], 0xffffffffu);
   EXPECT_EQ(image.Row(6)[5], 0u);
@@ -67,20 +69,22 @@ TEST(Painter, FillsBetweenALineAndAHeightButNotWhereValuesAreMissing) {
 
 TEST(Painter, AGradientGoesFromLeftToRight) {
   Image image(100, 2);
-  { Painter(image).FillGradientAcross({0.0, 0.0, 100.0, 2.0}, Rgb(0x000000), Rgb(0xffffff)); }
+  { OpenPainter(image)->FillGradientAcross({0.0, 0.0, 100.0, 2.0}, Rgb(0x000000), Rgb(0xffffff)); }
   for (int x = 0; x < 100; ++x) EXPECT_NEAR(image.Row(1)[x] & 255, 2.55 * (x + 0.5), 3.0);
 }
 
 TEST(Painter, TabularNumbersDoNotMove) {
   Image image(10, 10);
-  Painter painter(image);
+  const std::unique_ptr<Painter> opened = OpenPainter(image);
+  Painter& painter = *opened;
   const TextStyle style = {.size_px = 20.0, .tabular = true};
   EXPECT_EQ(painter.TextWidth("1.11°", style), painter.TextWidth("8.80°", style));
 }
 
 TEST(Painter, ElidesOnlyWhatIsTooLongAndKeepsLettersWhole) {
   Image image(10, 10);
-  Painter painter(image);
+  const std::unique_ptr<Painter> opened = OpenPainter(image);
+  Painter& painter = *opened;
   const TextStyle style = {.size_px = 15.0};
   EXPECT_EQ(painter.Elide("Kalman", 1000.0, style), "Kalman");
   const std::string title = "Müller-Größe, prädiktiv, äöüß";

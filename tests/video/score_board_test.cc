@@ -110,7 +110,8 @@ TEST_F(ScoreBoardTest, CardsHoldTheirTextInsideTheFrame) {
     for (const bool title : {true, false}) {
       Image image(width, height);
       {
-        Painter painter(image);
+        const std::unique_ptr<Painter> opened = OpenPainter(image);
+        Painter& painter = *opened;
         if (title) {
           DrawTitleCard(painter, frame, unit, "a_scenario", std::string(60, 'w') + " or not?");
         } else {

@@ -170,7 +170,8 @@ Signal ComparisonPicture::JitterOf(const VideoPane& pane) const {
 
 void ComparisonPicture::DrawBackground() {
   background_ = Image(input_.width_px, input_.height_px);
-  Painter painter(background_);
+  const std::unique_ptr<Painter> opened = OpenPainter(background_);
+  Painter& painter = *opened;
   const double unit = layout_.unit;
   painter.Fill(FrameOf(input_), palette::kPage);
   DrawHeader(painter);
@@ -404,18 +405,21 @@ int ComparisonPicture::outline_px() const {
 }
 
 void ComparisonPicture::DrawTitle(ImageView image) const {
-  Painter painter(image);
+  const std::unique_ptr<Painter> opened = OpenPainter(image);
+  Painter& painter = *opened;
   DrawTitleCard(painter, FrameOf(input_), layout_.unit, input_.title, input_.question);
 }
 
 void ComparisonPicture::DrawVerdict(ImageView image) const {
-  Painter painter(image);
+  const std::unique_ptr<Painter> opened = OpenPainter(image);
+  Painter& painter = *opened;
   DrawScoreBoard(painter, FrameOf(input_), layout_.unit, input_.title, input_.verdict);
 }
 
 void ComparisonPicture::Draw(int frame, const DrawnHands& hands, ImageView image) const {
   std::ranges::copy(background_.pixels, image.pixels);
-  Painter painter(image);
+  const std::unique_ptr<Painter> opened = OpenPainter(image);
+  Painter& painter = *opened;
   if (input_.overlay) DrawOverlay(painter, hands);
   for (int pane = static_cast<int>(hands.panes.size()) - 1; pane >= 0; --pane) {  // 0 on top
     if (!input_.overlay) DrawView(painter, pane, hands);

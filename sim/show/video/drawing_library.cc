@@ -13,12 +13,21 @@ const DrawingLibrary& LoadDrawingLibrary() {
     // MuJoCo's renderer looks for OSMesa among the names that the whole process has.
     const std::string file = OwnLibrary("gauntlet_drawing.so");
     void* const loaded = dlopen(file.c_str(), RTLD_LAZY | RTLD_GLOBAL);
-    if (loaded == nullptr) throw RunError(fmt::format("cannot draw: {}", dlerror()));
+    if (loaded == nullptr) {
+      throw RunError(fmt::format(
+          "cannot draw: {}: pictures and videos need OSMesa, cairo and FFmpeg as the system "
+          "has them on which Gauntlet was built",
+          dlerror()));
+    }
     void* const entry = dlsym(loaded, "GauntletDrawingLibrary");
     if (entry == nullptr) throw RunError(fmt::format("cannot draw: {}", dlerror()));
     return *reinterpret_cast<decltype(&GauntletDrawingLibrary)>(entry)();
   }();
   return library;
+}
+
+std::unique_ptr<Painter> OpenPainter(ImageView image) {
+  return LoadDrawingLibrary().open_painter(image);
 }
 
 }  // namespace gauntlet::sim

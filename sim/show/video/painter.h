@@ -8,9 +8,6 @@
 #include "sim/show/video/image.h"
 #include "sim/show/video/palette.h"
 
-struct _cairo;
-struct _cairo_surface;
-
 namespace gauntlet::sim {
 
 /// In pixels, from the top left corner.
@@ -39,43 +36,38 @@ struct TextStyle {
   bool tabular = false;
 };
 
-/// Draws shapes and text onto an image, smoothly. The image must outlive the painter.
+/// Draws shapes and text onto an image, smoothly.
 class Painter {
  public:
-  explicit Painter(ImageView image);
-  ~Painter();
+  Painter() = default;
+  virtual ~Painter() = default;
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
 
-  void Fill(const Rect& rect, const Color& color, double radius = 0.0);
-  void FillGradient(const Rect& rect, const Color& top, const Color& bottom);
-  void FillGradientAcross(const Rect& rect, const Color& left, const Color& right);
-  void Outline(const Rect& rect, const Color& color, double line_width, double radius);
-  void Line(Point from, Point to, const Color& color, double line_width);
+  virtual void Fill(const Rect& rect, const Color& color, double radius = 0.0) = 0;
+  virtual void FillGradient(const Rect& rect, const Color& top, const Color& bottom) = 0;
+  virtual void FillGradientAcross(const Rect& rect, const Color& left, const Color& right) = 0;
+  virtual void Outline(const Rect& rect, const Color& color, double line_width, double radius) = 0;
+  virtual void Line(Point from, Point to, const Color& color, double line_width) = 0;
   /// A point that is not finite interrupts the line.
-  void Polyline(std::span<const Point> points, const Color& color, double line_width);
+  virtual void Polyline(std::span<const Point> points, const Color& color, double line_width) = 0;
   /// Between a line and a height; a point that is not finite interrupts both.
-  void FillBetween(std::span<const Point> points, double y, const Color& color);
-  void Dot(Point center, double radius, const Color& color);
+  virtual void FillBetween(std::span<const Point> points, double y, const Color& color) = 0;
+  virtual void Dot(Point center, double radius, const Color& color) = 0;
   /// `picture` over what is there, its top left corner at whole pixels.
-  void Picture(const Image& picture, int x, int y, double opacity = 1.0);
+  virtual void Picture(const Image& picture, int x, int y, double opacity = 1.0) = 0;
   /// From the baseline at `at`.
-  void Text(std::string_view text, Point at, const TextStyle& style);
-  double TextWidth(std::string_view text, const TextStyle& style);
+  virtual void Text(std::string_view text, Point at, const TextStyle& style) = 0;
+  virtual double TextWidth(std::string_view text, const TextStyle& style) = 0;
   /// The text, shortened by an ellipsis where it is wider than `width`.
-  std::string Elide(std::string_view text, double width, const TextStyle& style);
+  virtual std::string Elide(std::string_view text, double width, const TextStyle& style) = 0;
 
   /// Nothing is drawn outside `rect` until Unclip().
-  void Clip(const Rect& rect, double radius = 0.0);
-  void Unclip();
-
- private:
-  void FillGradient(const Rect& rect, Point from, Point to, const Color& first, const Color& last);
-  void UseFont(const TextStyle& style);
-  void Trace(const Rect& rect, double radius);
-
-  _cairo_surface* surface_ = nullptr;
-  _cairo* cairo_ = nullptr;
+  virtual void Clip(const Rect& rect, double radius = 0.0) = 0;
+  virtual void Unclip() = 0;
 };
+
+/// A painter on this image, which must outlive it. Errors: RunError without the drawing library.
+std::unique_ptr<Painter> OpenPainter(ImageView image);
 
 }  // namespace gauntlet::sim

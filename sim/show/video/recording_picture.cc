@@ -105,7 +105,8 @@ Image DrawRecording(const Inspection& inspection) {
   const double row_height = rows.size() > 10 ? 40.0 : 56.0;
   const double table_height = row_height * static_cast<double>(rows.size());
   Image image(kWidth, static_cast<int>(kHead + table_height + kFoot));
-  Painter painter(image);
+  const std::unique_ptr<Painter> opened = OpenPainter(image);
+  Painter& painter = *opened;
   painter.Fill({0.0, 0.0, kWidth, static_cast<double>(image.height_px)}, palette::kPage);
   const Rect card = {kMargin, kHead - 12.0, kWidth - 2.0 * kMargin, table_height + 24.0};
   painter.Fill(card, palette::kCard, 10.0);

@@ -1,4 +1,4 @@
-#include "sim/show/video/painter.h"
+#include "sim/show/video/cairo_painter.h"
 
 #include <cairo.h>
 
@@ -37,9 +37,36 @@ double Advance(cairo_t* cairo, std::string_view text) {
   return extents.x_advance;
 }
 
-}  // namespace
+class CairoPainter final : public Painter {
+ public:
+  explicit CairoPainter(ImageView image);
+  ~CairoPainter() override;
 
-Painter::Painter(ImageView image) {
+  void Fill(const Rect& rect, const Color& color, double radius) override;
+  void FillGradient(const Rect& rect, const Color& top, const Color& bottom) override;
+  void FillGradientAcross(const Rect& rect, const Color& left, const Color& right) override;
+  void Outline(const Rect& rect, const Color& color, double line_width, double radius) override;
+  void Line(Point from, Point to, const Color& color, double line_width) override;
+  void Polyline(std::span<const Point> points, const Color& color, double line_width) override;
+  void FillBetween(std::span<const Point> points, double y, const Color& color) override;
+  void Dot(Point center, double radius, const Color& color) override;
+  void Picture(const Image& picture, int x, int y, double opacity) override;
+  void Text(std::string_view text, Point at, const TextStyle& style) override;
+  double TextWidth(std::string_view text, const TextStyle& style) override;
+  std::string Elide(std::string_view text, double width, const TextStyle& style) override;
+  void Clip(const Rect& rect, double radius) override;
+  void Unclip() override;
+
+ private:
+  void FillFrom(const Rect& rect, Point from, Point to, const Color& first, const Color& last);
+  void UseFont(const TextStyle& style);
+  void Trace(const Rect& rect, double radius);
+
+  cairo_surface_t* surface_ = nullptr;
+  cairo_t* cairo_ = nullptr;
+};
+
+CairoPainter::CairoPainter(ImageView image) {
   surface_ = cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(image.pixels),
                                                  CAIRO_FORMAT_ARGB32, image.width_px,
                                                  image.height_px, 4 * image.width_px);
@@ -57,13 +84,13 @@ Painter::Painter(ImageView image) {
   cairo_set_line_join(cairo_, CAIRO_LINE_JOIN_ROUND);
 }
 
-Painter::~Painter() {
+CairoPainter::~CairoPainter() {
   cairo_destroy(cairo_);
   cairo_surface_finish(surface_);
   cairo_surface_destroy(surface_);
 }
 
-void Painter::Trace(const Rect& rect, double radius) {
+void CairoPainter::Trace(const Rect& rect, double radius) {
   if (radius <= 0.0) {
     cairo_rectangle(cairo_, rect.x, rect.y, rect.width, rect.height);
     return;
@@ -78,22 +105,22 @@ void Painter::Trace(const Rect& rect, double radius) {
   cairo_close_path(cairo_);
 }
 
-void Painter::Fill(const Rect& rect, const Color& color, double radius) {
+void CairoPainter::Fill(const Rect& rect, const Color& color, double radius) {
   Trace(rect, radius);
   SetColor(cairo_, color);
   cairo_fill(cairo_);
 }
 
-void Painter::FillGradient(const Rect& rect, const Color& top, const Color& bottom) {
-  FillGradient(rect, {rect.x, rect.y}, {rect.x, rect.bottom()}, top, bottom);
+void CairoPainter::FillGradient(const Rect& rect, const Color& top, const Color& bottom) {
+  FillFrom(rect, {rect.x, rect.y}, {rect.x, rect.bottom()}, top, bottom);
 }
 
-void Painter::FillGradientAcross(const Rect& rect, const Color& left, const Color& right) {
-  FillGradient(rect, {rect.x, rect.y}, {rect.right(), rect.y}, left, right);
+void CairoPainter::FillGradientAcross(const Rect& rect, const Color& left, const Color& right) {
+  FillFrom(rect, {rect.x, rect.y}, {rect.right(), rect.y}, left, right);
 }
 
-void Painter::FillGradient(const Rect& rect, Point from, Point to, const Color& first,
-                           const Color& last) {
+void CairoPainter::FillFrom(const Rect& rect, Point from, Point to, const Color& first,
+                            const Color& last) {
   cairo_pattern_t* gradient = cairo_pattern_create_linear(from.x, from.y, to.x, to.y);
   cairo_pattern_add_color_stop_rgb(gradient, 0.0, first.red, first.green, first.blue);
   cairo_pattern_add_color_stop_rgb(gradient, 1.0, last.red, last.green, last.blue);
@@ -103,7 +130,7 @@ void Painter::FillGradient(const Rect& rect, Point from, Point to, const Color& 
   cairo_pattern_destroy(gradient);
 }
 
-void Painter::Outline(const Rect& rect, const Color& color, double line_width, double radius) {
+void CairoPainter::Outline(const Rect& rect, const Color& color, double line_width, double radius) {
   const double half = line_width / 2.0;  // the line lies inside the rectangle
   Trace({rect.x + half, rect.y + half, rect.width - line_width, rect.height - line_width}, radius);
   SetColor(cairo_, color);
@@ -111,12 +138,12 @@ void Painter::Outline(const Rect& rect, const Color& color, double line_width, d
   cairo_stroke(cairo_);
 }
 
-void Painter::Line(Point from, Point to, const Color& color, double line_width) {
+void CairoPainter::Line(Point from, Point to, const Color& color, double line_width) {
   const Point points[] = {from, to};
   Polyline(points, color, line_width);
 }
 
-void Painter::Polyline(std::span<const Point> points, const Color& color, double line_width) {
+void CairoPainter::Polyline(std::span<const Point> points, const Color& color, double line_width) {
   bool pen_down = false;
   for (const Point& point : points) {
     if (!std::isfinite(point.x) || !std::isfinite(point.y)) {
@@ -133,7 +160,7 @@ void Painter::Polyline(std::span<const Point> points, const Color& color, double
   cairo_stroke(cairo_);
 }
 
-void Painter::FillBetween(std::span<const Point> points, double y, const Color& color) {
+void CairoPainter::FillBetween(std::span<const Point> points, double y, const Color& color) {
   const auto finite = [](const Point& point) {
     return std::isfinite(point.x) && std::isfinite(point.y);
   };
@@ -152,7 +179,7 @@ void Painter::FillBetween(std::span<const Point> points, double y, const Color& 
   cairo_fill(cairo_);
 }
 
-void Painter::Dot(Point center, double radius, const Color& color) {
+void CairoPainter::Dot(Point center, double radius, const Color& color) {
   if (!std::isfinite(center.x) || !std::isfinite(center.y)) return;
   cairo_new_sub_path(cairo_);
   cairo_arc(cairo_, center.x, center.y, radius, 0.0, 2.0 * std::numbers::pi);
@@ -160,7 +187,7 @@ void Painter::Dot(Point center, double radius, const Color& color) {
   cairo_fill(cairo_);
 }
 
-void Painter::Picture(const Image& picture, int x, int y, double opacity) {
+void CairoPainter::Picture(const Image& picture, int x, int y, double opacity) {
   // Cairo only reads it.
   auto* pixels =
       reinterpret_cast<unsigned char*>(const_cast<std::uint32_t*>(picture.pixels.data()));
@@ -176,13 +203,13 @@ void Painter::Picture(const Image& picture, int x, int y, double opacity) {
   cairo_surface_destroy(source);
 }
 
-void Painter::UseFont(const TextStyle& style) {
+void CairoPainter::UseFont(const TextStyle& style) {
   cairo_select_font_face(cairo_, kFontFamily, CAIRO_FONT_SLANT_NORMAL,
                          style.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(cairo_, style.size_px);
 }
 
-double Painter::TextWidth(std::string_view text, const TextStyle& style) {
+double CairoPainter::TextWidth(std::string_view text, const TextStyle& style) {
   UseFont(style);
   if (!style.tabular) return Advance(cairo_, text);
   const double digit_width = Advance(cairo_, "0");
@@ -194,7 +221,7 @@ double Painter::TextWidth(std::string_view text, const TextStyle& style) {
   return width;
 }
 
-void Painter::Text(std::string_view text, Point at, const TextStyle& style) {
+void CairoPainter::Text(std::string_view text, Point at, const TextStyle& style) {
   UseFont(style);
   SetColor(cairo_, style.color);
   if (style.align != Align::kLeft) {
@@ -218,7 +245,7 @@ void Painter::Text(std::string_view text, Point at, const TextStyle& style) {
   cairo_new_path(cairo_);
 }
 
-std::string Painter::Elide(std::string_view text, double width, const TextStyle& style) {
+std::string CairoPainter::Elide(std::string_view text, double width, const TextStyle& style) {
   if (TextWidth(text, style) <= width) return std::string(text);
   std::string shown;
   while (!text.empty()) {
@@ -229,12 +256,38 @@ std::string Painter::Elide(std::string_view text, double width, const TextStyle&
   return shown + "…";
 }
 
-void Painter::Clip(const Rect& rect, double radius) {
+void CairoPainter::Clip(const Rect& rect, double radius) {
   cairo_save(cairo_);
   Trace(rect, radius);
   cairo_clip(cairo_);
 }
 
-void Painter::Unclip() { cairo_restore(cairo_); }
+void CairoPainter::Unclip() { cairo_restore(cairo_); }
+
+cairo_status_t Append(void* closure, const unsigned char* data, unsigned length) {
+  static_cast<std::string*>(closure)->append(reinterpret_cast<const char*>(data), length);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+}  // namespace
+
+std::unique_ptr<Painter> OpenCairoPainter(ImageView image) {
+  return std::make_unique<CairoPainter>(image);
+}
+
+std::string EncodeCairoPng(const Image& image) {
+  // Cairo only reads it.
+  auto* pixels = reinterpret_cast<unsigned char*>(const_cast<std::uint32_t*>(image.pixels.data()));
+  const std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface(
+      cairo_image_surface_create_for_data(pixels, CAIRO_FORMAT_ARGB32, image.width_px,
+                                          image.height_px, 4 * image.width_px),
+      &cairo_surface_destroy);
+  std::string content;
+  const cairo_status_t status = cairo_surface_write_to_png_stream(surface.get(), Append, &content);
+  if (status != CAIRO_STATUS_SUCCESS) {
+    throw RunError(std::string("picture: cannot encode: ") + cairo_status_to_string(status));
+  }
+  return content;
+}
 
 }  // namespace gauntlet::sim
