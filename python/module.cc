@@ -8,6 +8,7 @@
 #include "python/long_call.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
+#include "sim/hand/hand_model.h"
 #include "sim/trial/external/external_filters.h"
 
 namespace gauntlet::python {
@@ -41,6 +42,12 @@ void Translate(std::exception_ptr error) {
 PYBIND11_MODULE(_core, module) {
   namespace py = pybind11;
   using namespace gauntlet::python;
+  if (const std::string other = gauntlet::sim::HandModel::OtherEngine(); !other.empty()) {
+    // It would be called with the structures of this one.
+    throw py::import_error("MuJoCo " + other +
+                           " is loaded for the whole process (RTLD_GLOBAL); import gauntlet "
+                           "before it, or in a process of its own");
+  }
   py::register_exception_translator(&Translate);
   gauntlet::sim::NameConsent("allow_programs=True");
   module.attr("__version__") = GAUNTLET_VERSION;

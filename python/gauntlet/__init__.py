@@ -14,7 +14,10 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Optional, Union
 
-import numpy as np
+try:
+    import numpy as np
+except ModuleNotFoundError:
+    raise ImportError("gauntlet needs numpy: pip install numpy") from None
 
 from . import _core
 from ._errors import Remark, RunError, SettingError
@@ -35,9 +38,9 @@ Overrides = Union[None, Mapping[str, Any], Sequence[str]]
 
 
 def _find_data() -> None:
-    """Gauntlet's own files: within the package, or in share/gauntlet of a folder above it."""
-    package = pathlib.Path(__file__).parent
-    for folder in [package / "data", *(above / "share" / "gauntlet" for above in package.absolute().parents)]:
+    """Gauntlet's own files: in share/gauntlet of the package, or of a folder above it."""
+    package = pathlib.Path(__file__).parent.absolute()
+    for folder in (above / "share" / "gauntlet" for above in [package, *package.parents]):
         if (folder / "scenarios").is_dir():
             _core.set_data_folder(str(folder.resolve()))
             return

@@ -115,9 +115,9 @@ class Result:
         self.remarks = list(remarks)
 
     @property
-    def verdict(self) -> Optional[dict[str, Any]]:
-        """What is recommended, why, and with which warnings; None for a command without one."""
-        return self.data.get("verdict")
+    def verdict(self) -> dict[str, Any]:
+        """What is recommended, why, and with which warnings; empty for a command without one."""
+        return self.data.get("verdict") or {}
 
     @property
     def table(self) -> Table:

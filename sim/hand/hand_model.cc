@@ -405,6 +405,10 @@ std::vector<std::string> HandModel::CameraNames() const {
 
 std::string HandModel::EngineVersion() { return mj_versionString(); }
 
+std::string HandModel::OtherEngine() {
+  return mj_version() == mjVERSION_HEADER ? "" : mj_versionString();
+}
+
 std::string HandModel::Hash() const {
   std::string bytes(static_cast<std::size_t>(mj_sizeModel(model_.get())), '\0');
   mj_saveModel(model_.get(), nullptr, bytes.data(), static_cast<int>(bytes.size()));

@@ -51,7 +51,22 @@ class Package(Test):
         self.assertEqual(f"gauntlet {gauntlet.__version__}", subprocess.run(
             [os.environ["GAUNTLET_PROGRAM"], "--version"], text=True, capture_output=True).stdout.split("\n")[0][:len(
                 f"gauntlet {gauntlet.__version__}")])
-        self.assertIn(f'version = "{gauntlet.__version__}"', (SOURCE / "pyproject.toml").read_text())
+
+    def test_refuses_the_mujoco_of_another_package(self):
+        """Which is called in place of its own if it was loaded for all (RTLD_GLOBAL), and crashes."""
+        source, library = self.folder / "other.c", self.folder / "other.so"
+        source.write_text('int mj_version(void) { return 3017000; }\nconst char* mj_versionString(void) { return "3.17.0"; }\n')
+        subprocess.run(["cc", "-shared", "-fPIC", "-o", library, source], check=True)
+        code = f"import ctypes; ctypes.CDLL({str(library)!r}, ctypes.RTLD_GLOBAL); import gauntlet"
+        done = subprocess.run([sys.executable, "-c", code], text=True, capture_output=True)
+        self.assertEqual(done.stderr.splitlines()[-1], "ImportError: MuJoCo 3.17.0 is loaded for the whole process "
+                         "(RTLD_GLOBAL); import gauntlet before it, or in a process of its own")
+        self.assertEqual(done.returncode, 1)
+
+    def test_says_that_it_needs_numpy(self):
+        code = "import sys; sys.modules['numpy'] = None; import gauntlet"
+        done = subprocess.run([sys.executable, "-c", code], text=True, capture_output=True)
+        self.assertEqual(done.stderr.splitlines()[-1], "ImportError: gauntlet needs numpy: pip install numpy")
 
     def test_looks_where_the_variable_says(self):
         code = "import gauntlet; gauntlet.run('hold_still', set={'glove.motion.duration_s': 0.3})"
