@@ -7,14 +7,15 @@ install(TARGETS gauntlet_drawing LIBRARY DESTINATION lib/gauntlet COMPONENT prog
 # Where DataFolder() looks.
 install(DIRECTORY models scenarios studies DESTINATION share/gauntlet COMPONENT program
         PATTERN "*.py" EXCLUDE PATTERN "*.gp" EXCLUDE)
-install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program
+# What wheels for pip leave out.
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation
         FILES_MATCHING PATTERN "*.md" PATTERN "*.html" PATTERN "*.png" PATTERN "*.mp4")
 install(FILES README.md CHANGELOG.md CITATION.cff SECURITY.md LICENSE
-        DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+        DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
 install(FILES sim/cli/completion/gauntlet DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
-        COMPONENT program)
+        COMPONENT documentation)
 install(FILES sim/cli/completion/_gauntlet DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions
-        COMPONENT program)
+        COMPONENT documentation)
 
 # Pages for man, made of what --help says.
 find_program(GAUNTLET_HELP2MAN help2man)
@@ -36,4 +37,4 @@ add_custom_command(
   COMMENT "Making the pages for man"
   VERBATIM)
 add_custom_target(man_pages ALL DEPENDS ${pages_dir}/gauntlet.1)
-install(DIRECTORY ${pages_dir}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+install(DIRECTORY ${pages_dir}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT documentation)
