@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <limits>
+#include <numbers>
 #include <string>
 #include <string_view>
 
@@ -131,16 +133,23 @@ void GloveCalibration::Visit(SettingsVisitor& visitor) {
   struct Column {
     std::string_view key, help;
     std::vector<double>* values;
+    double most = std::numeric_limits<double>::infinity();
   };
-  const Column columns[] = {{"low_counts", "what it gives in the first known pose", &low_counts},
-                            {"high_counts", "and in the second", &high_counts},
-                            {"low_angle_rad", "its angle in the first known pose", &low_angle_rad},
-                            {"high_angle_rad", "and in the second", &high_angle_rad}};
+  constexpr double kTurn_rad = 2.0 * std::numbers::pi;  // more are degrees by mistake
+  const Column columns[] = {
+      {"low_counts", "what it gives in the first known pose", &low_counts},
+      {"high_counts", "and in the second", &high_counts},
+      {"low_angle_rad", "its angle in the first known pose", &low_angle_rad, kTurn_rad},
+      {"high_angle_rad", "and in the second", &high_angle_rad, kTurn_rad}};
   for (const Column& column : columns) column.values->resize(channel_names.size());
   VisitRows(visitor, {"channels", "two known poses of each channel"}, channel_names,
             [&](std::size_t i, SettingsVisitor& row) {
               for (const Column& column : columns) {
-                row.Number({.key = column.key, .help = column.help, .required = true},
+                row.Number({.key = column.key,
+                            .help = column.help,
+                            .min = -column.most,
+                            .max = column.most,
+                            .required = true},
                            (*column.values)[i]);
               }
             });

@@ -141,14 +141,12 @@ class SettingReader final : public SettingsVisitor {
   }
 
   void ExpectEnd() {
-    if (place_ == settings_.size()) return;
     at_ = place_;
-    throw SettingError(
-        settings_[place_].key.empty() ? "an item" : std::string(settings_[place_].key),
-        "is not a setting in this place: it is unknown, given twice or out of order");
+    if (place_ != settings_.size()) throw Misplaced();
   }
   /// `error` with the line of the setting that was read last.
   SettingError WithLine(const SettingError& error) const {
+    if (blocked_) return WithLine(Misplaced(), lines_[place_]);
     return at_ < lines_.size() ? WithLine(error, lines_[at_]) : error;
   }
   /// `error` of a key, with the line of what it names or is part of, if there is one.
@@ -164,6 +162,14 @@ class SettingReader final : public SettingsVisitor {
   }
 
  private:
+  /// Of the next setting.
+  SettingError Misplaced() const {
+    return {settings_[place_].key.empty() ? "an item" : std::string(settings_[place_].key),
+            "is not a setting in this place: it is unknown, given twice or out of order"};
+  }
+  bool IsLeft(std::string_view key) const {
+    return std::ranges::find(settings_.subspan(place_), key, &TextSetting::key) != settings_.end();
+  }
   static SettingError WithLine(const SettingError& error, int line) {
     return {"line " + std::to_string(line) + ": " + error.key(), error.problem()};
   }
@@ -190,11 +196,15 @@ class SettingReader final : public SettingsVisitor {
     at_ = place_;
     if (absent_groups_ == 0 && place_ < settings_.size() && settings_[place_].key == setting.key) {
       line_of_[PathOf(setting.key)] = lines_[place_];
+      passed_ = 0;
       return true;
     }
     if (setting.required || place_ == settings_.size()) {
+      // Neither it nor some before it are missing: the next one is in their way.
+      blocked_ = IsLeft(setting.key) && passed_ > 0;
       throw SettingError(std::string(setting.key), "is missing");
     }
+    passed_ += IsLeft(setting.key) ? 1 : 0;
     return false;
   }
   const TextSetting& Next(std::string_view key) {
@@ -228,6 +238,8 @@ class SettingReader final : public SettingsVisitor {
   std::span<const int> lines_;
   std::size_t place_ = 0;  // of the next setting
   std::size_t at_ = 0;     // of the one that is read
+  int passed_ = 0;         // settings that were not next, but are further on
+  bool blocked_ = false;   // by the next one
   int absent_groups_ = 0;  // around it
   std::string path_;       // of the group around it
   std::map<std::string, int, std::less<>> line_of_;

@@ -2,11 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "sim/base/error.h"
 
 namespace gauntlet::python {
 
 namespace py = pybind11;
+
+namespace {
+
+bool IsMasked(const py::object& array) {
+  return py::hasattr(array, "mask") &&
+         py::module_::import("numpy.ma").attr("isMaskedArray")(array).cast<bool>();
+}
+
+}  // namespace
 
 Rows RowsOf(const py::object& array, const std::string& place) {
   const py::array any = py::array::ensure(array);
@@ -29,7 +40,10 @@ Rows RowsOf(const py::object& array, const std::string& place) {
   if (any.ndim() == 2 && any.shape(1) == 0) {
     throw sim::UserError({.place = place, .problem = "has no channels"});
   }
-  Rows rows = Rows::ensure(any.attr("astype")("float64", "C", "unsafe", false, false));
+  // What is masked is missing; numpy would take what stands below the mask.
+  Rows rows =
+      Rows::ensure(IsMasked(array) ? array.attr("astype")("float64").attr("filled")(std::nan(""))
+                                   : any.attr("astype")("float64", "C", "unsafe", false, false));
   if (!rows) throw py::error_already_set();
   return rows;
 }

@@ -56,7 +56,7 @@ def filter(array: Any, kind: Union[str, Mapping[str, Any]], *, rate_hz: Optional
     kind     kind of filter, or its settings as a dict: {"kind": "one_euro", "min_cutoff_hz": 1}
     rate_hz  sampling rate, needed by filters with settings in Hz or s
     out      array of float64 for the result, which may be `array` itself
-    A value that is NaN, infinite or beyond 1e100 is the last good one of its channel again (with a Remark);
+    A value that is masked, NaN, infinite or beyond 1e100 is the last good one of its channel again (with a Remark);
     before the first good one the result is NaN. Errors: SettingError.
     """
     chosen = {**kind, **settings} if isinstance(kind, Mapping) else {"kind": kind, **settings}
@@ -74,15 +74,21 @@ def filter_kinds() -> list[str]:
 class Controller:
     """What runs on the robot, from glove to motors: see controller/README.md.
 
-    robot: a file of `gauntlet export`, its text, or its settings as a dict.
+    robot: a file of `gauntlet export` (YAML, or .txt of --text), the text of a YAML file, or its settings as a dict.
     One thread at a time may use a controller; another gets a RunError. Errors: SettingError.
     """
 
     def __init__(self, robot: Settings) -> None:
         self._core = _core.Controller(*_source(robot, "controller"))
 
+    def __copy__(self) -> Controller:
+        raise TypeError("a controller cannot be copied: make another one of the same robot")
+
+    def __deepcopy__(self, memo: object) -> Controller:
+        return self.__copy__()
+
     def step(self, sample: Any = None, *, number: Optional[int] = None) -> np.ndarray:
-        """One tick, with a sample (counts per channel; NaN: missing) or without: motor counts.
+        """One tick, with a sample (counts per channel; NaN or masked: missing) or without: motor counts.
 
         number: that of the glove's frame, if the glove counts its frames.
         """

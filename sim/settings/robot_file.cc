@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "controller/controller.h"
+#include "controller/robot_text.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/settings/yaml_reader.h"
@@ -99,6 +100,13 @@ RobotConfig LoadRobot(const std::filesystem::path& file) {
 }
 
 RobotConfig ParseRobot(const std::filesystem::path& file, std::string_view text) {
+  if (file.extension() == ".txt") {
+    try {
+      return controller::RobotFromText(text);
+    } catch (const SettingError& error) {
+      throw UserError({.place = file.string(), .key = error.key(), .problem = error.problem()});
+    }
+  }
   const YamlNode root = ParseYaml(file, text);
   const YamlSource source{.file = file, .overrides = {}};
   RobotConfig robot;

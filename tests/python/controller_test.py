@@ -1,3 +1,4 @@
+import copy
 import pathlib
 import tempfile
 import threading
@@ -46,6 +47,24 @@ class Controller(Test):
         self.assertTrue(np.array_equal(commands, looped))
         self.assertTrue(np.array_equal(whole.filtered_angle_rad, single.filtered_angle_rad))
         self.assertEqual((whole.status, whole.event), (single.status, single.event))
+
+    def test_is_the_same_from_the_text_form(self):
+        text = self.folder / "robot.txt"
+        program("export", self.result.folder, "--controller", "tuned_kalman", "--text", "--out", str(text))
+        self.assertTrue(np.array_equal(gauntlet.Controller(text).steps(self.counts[:50]),
+                                       gauntlet.Controller(self.robot).steps(self.counts[:50])))
+
+    def test_takes_masked_values_for_missing_ones(self):
+        masked, missing = gauntlet.Controller(self.robot), gauntlet.Controller(self.robot)
+        sample, mask = np.array(self.counts[0]), np.arange(len(self.counts[0])) == 3
+        self.assertTrue(np.array_equal(masked.step(np.ma.masked_array(sample, mask)), missing.step(np.where(mask, np.nan, sample))))
+        self.assertEqual(masked.untrusted_samples[3], 1)
+
+    def test_cannot_be_copied(self):
+        controller = gauntlet.Controller(self.robot)
+        for copied in (copy.copy, copy.deepcopy):
+            with self.assertRaisesRegex(TypeError, "a controller cannot be copied"):
+                copied(controller)
 
     def test_is_the_same_from_a_text_and_from_a_dict(self):
         text = self.robot.read_text()

@@ -29,6 +29,11 @@ class Filter(Test):
         text = subprocess.run(["bash", "-c", command], text=True, capture_output=True, check=True).stdout
         return [[float(field or "nan") for field in line.split(",")] for line in text.splitlines()[1:]]
 
+    def test_holds_the_last_good_value_where_one_is_masked(self):
+        with self.assertWarns(gauntlet.Remark):
+            held = gauntlet.filter(np.ma.masked_array([1, 2, 3], [0, 1, 0]), "none", rate_hz=100)
+        self.assertEqual(held.tolist(), [1, 1, 3])
+
     def test_every_kind_gives_the_numbers_of_the_program(self):
         values = noisy(columns=18)
         kinds = gauntlet.filter_kinds()

@@ -351,6 +351,10 @@ TEST(RobotText, NamesThePlaceOfEveryMistake) {
             LineOf("ticks_per_sample") + "timing.ticks_per_sample: must be a number");
   EXPECT_THAT(complaint("ticks_per_sample", "ticks"),
               HasSubstr(": ticks: is not a setting in this place"));
+  EXPECT_THAT(complaint("high_angle_rad = 1.6", "high_angle_rad = 60"),
+              HasSubstr("glove.channels.b.high_angle_rad: is 60, must be from -6.28319 to 6.28319"));
+  EXPECT_THAT(complaint("filter_at", "filter_att"),
+              testing::StartsWith(LineOf("filter_at") + "filter_att: is not a setting in this"));
   EXPECT_THAT(complaint("ticks_per_sample = 17", "ticks_per_sample = 0"),
               HasSubstr(": timing.ticks_per_sample: is 0, must be from 1 to 100000"));
   EXPECT_EQ(complaint("channel_names = 2", "channel_names = 1e9"),
@@ -382,6 +386,20 @@ TEST(RobotText, OfAnOlderVersionHasTheDefaultsOfNewSettings) {
     text.erase(begin, text.find('\n', begin + 1) - begin);
   }
   EXPECT_EQ(Values(controller::RobotFromText(text)), Values(Finger()));
+}
+
+TEST(RobotText, IsReadFromAFileThatEndsInTxt) {
+  const test::TemporaryDirectory folder;
+  const auto file = folder.path() / "robot.txt";
+  std::ofstream(file) << ToText(Finger());
+  EXPECT_EQ(Values(LoadRobot(file)), Values(Finger()));
+  std::ofstream(file) << "more = 1\n";
+  try {
+    LoadRobot(file);
+    ADD_FAILURE() << "no error";
+  } catch (const UserError& error) {
+    EXPECT_EQ(std::string(error.what()), file.string() + ": line 1: controller: is missing");
+  }
 }
 
 TEST(RobotText, WithLinesThatAreMissingOrSwappedIsNeverAnotherRobot) {
