@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <exception>
 #include <string>
 #include <string_view>
 
@@ -87,8 +88,9 @@ void EndAtSignals() { at_once = true; }
 
 EndsAtSecondSignal::EndsAtSecondSignal() { has_time = true; }
 EndsAtSecondSignal::~EndsAtSecondSignal() {
-  stop_signal = 0;
   has_time = false;
+  // What is being cancelled ends the program with the code of the signal.
+  if (std::uncaught_exceptions() == 0) stop_signal = 0;
 }
 
 const std::filesystem::path& KeepsTrials(const std::filesystem::path& file) {

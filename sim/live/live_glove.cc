@@ -1,5 +1,7 @@
 #include "sim/live/live_glove.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -7,6 +9,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <exception>
+#include <limits>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -133,6 +136,7 @@ class DeviceGlove final : public LiveGlove {
   std::span<const std::int32_t> Step(const LiveTick& tick, HandLoop& loop) noexcept override;
   std::optional<SampleTimes> TimesOf(const LiveTick& tick, const HandLoop& loop,
                                      std::int64_t before) const noexcept override;
+  int TakeFirst() noexcept;
   void AcceptFrame(const Head& head, std::span<const double> counts, const LiveTick& tick,
                    HandLoop& loop) noexcept;
   void FollowGlove(HandLoop& loop) noexcept;
@@ -149,6 +153,7 @@ class DeviceGlove final : public LiveGlove {
   Head first_;
   std::vector<double> first_counts_;
   bool has_first_ = false;          // waits for the first tick, outside the ring
+  bool is_silent_ = false;          // for as long as the session may last
   std::vector<SampleTimes> times_;  // of the last frames, by number
   std::int64_t step_begin_ns_ = 0;
   std::int64_t logged_number_ = -1;
@@ -213,24 +218,49 @@ void DeviceGlove::Read(const std::stop_token& stop) {
   has_ended_.store(true, std::memory_order_release);
 }
 
+/// What stood in the device's queue before is of the past; a file begins when it is played. Returns
+/// how many frames it took.
+int DeviceGlove::TakeFirst() noexcept {
+  const bool has_past = setup_.source->address().kind != DeviceKind::kFile;
+  int taken = 0;
+  while ((has_past || !has_first_) &&
+         frames_.Pop([&](const Head& head, std::span<const double> counts) {
+           first_ = head;
+           std::ranges::copy(counts, first_counts_.begin());
+         })) {
+    has_first_ = true;
+    ++taken;
+  }
+  return taken;
+}
+
 bool DeviceGlove::WaitForFirst() {
   thread_ = StartThread([this](const std::stop_token& stop) { Read(stop); });
   if (setup_.say) setup_.say("waiting for frames from " + source_);
-  std::int64_t said_ns = MonotonicNow_ns();
-  while (!has_first_) {
+  const std::int64_t begin_ns = MonotonicNow_ns();
+  const auto end_ns = setup_.seconds > 0.0
+                          ? begin_ns + static_cast<std::int64_t>(1e9 * setup_.seconds)
+                          : std::numeric_limits<std::int64_t>::max();
+  std::int64_t said_ns = begin_ns;
+  constexpr auto kLook = std::chrono::milliseconds(2);
+  while (true) {
     const bool has_ended = has_ended_.load(std::memory_order_acquire);
-    has_first_ = frames_.Pop([&](const Head& head, std::span<const double> counts) {
-      first_ = head;
-      std::ranges::copy(counts, first_counts_.begin());
-    });
-    if (has_first_) break;
-    if (has_ended || StopAsked()) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    if (TakeFirst() > 0) break;
+    is_silent_ = MonotonicNow_ns() >= end_ns;
+    if (has_ended || StopAsked() || is_silent_) return false;
+    std::this_thread::sleep_for(kLook);
     constexpr std::int64_t kPatience_ns = 5 * kNanosecondsPerSecond;
     if (setup_.say && said_ns != 0 && MonotonicNow_ns() - said_ns > kPatience_ns) {
       setup_.say("no frame yet from " + source_);
       said_ns = 0;
     }
+  }
+  // A queue is read faster than any glove sends.
+  constexpr int kMostPerLook = 8;
+  constexpr int kMostLooks = 50;
+  for (int look = 0; look < kMostLooks; ++look) {
+    std::this_thread::sleep_for(kLook);
+    if (TakeFirst() <= kMostPerLook) break;
   }
   return true;
 }
@@ -264,7 +294,10 @@ bool DeviceGlove::HasEnded(std::int64_t /*tick*/) const noexcept {
 
 std::span<const std::int32_t> DeviceGlove::Step(const LiveTick& tick, HandLoop& loop) noexcept {
   most_waiting_ = std::max(most_waiting_, waiting_frames());
-  if (has_first_) AcceptFrame(first_, first_counts_, tick, loop);
+  if (has_first_) {
+    TakeFirst();
+    AcceptFrame(first_, first_counts_, tick, loop);
+  }
   has_first_ = false;
   while (frames_.Pop([&](const Head& head, std::span<const double> counts) {
     AcceptFrame(head, counts, tick, loop);
@@ -322,6 +355,10 @@ void DeviceGlove::End(LiveResult& result) {
   if (error_) std::rethrow_exception(error_);
   if (first_.arrival_ns == 0) {
     ThrowIfStopped();
+    if (is_silent_) {
+      throw RunError(fmt::format("no frame from {} within {:g} s; {}", source_, setup_.seconds,
+                                 setup_.source->AdviceWithoutFrames()));
+    }
     throw UserError(
         {.place = setup_.channels.source, .problem = setup_.source->AdviceWithoutFrames()});
   }

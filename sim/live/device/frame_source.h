@@ -47,7 +47,6 @@ class FrameSource {
   /// One line for a source without frames: what arrived, and what to try.
   std::string AdviceWithoutFrames() const;
 
- protected:
   virtual const DeviceAddress& address() const = 0;
 };
 
