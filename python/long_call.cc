@@ -1,6 +1,7 @@
 #include "python/long_call.h"
 
 #include <pthread.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -8,9 +9,11 @@
 #include <exception>
 #include <initializer_list>
 #include <optional>
+#include <set>
 #include <thread>
 #include <utility>
 
+#include "python/elsewhere.h"
 #include "python/own_filters.h"
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
@@ -91,6 +94,55 @@ class Turn {
   static inline std::atomic<std::thread::id> owner;
 };
 
+/// A long call with parts that run in other threads of this process, while this object lives.
+class CallWithParts {
+ public:
+  explicit CallWithParts(const std::string& call) {
+    const std::lock_guard lock(mutex);
+    process = getpid();
+    known.insert(call);
+    current = call;
+  }
+  /// Stops the parts that run still.
+  ~CallWithParts() {
+    const py::gil_scoped_release unlocked;
+    std::unique_lock lock(mutex);
+    current.clear();
+    sim::stop_signal = SIGTERM;
+    ended.wait(lock, [] { return running == 0; });
+  }
+  CallWithParts(const CallWithParts&) = delete;
+  CallWithParts& operator=(const CallWithParts&) = delete;
+
+  /// Runs `work` if this is the process of the call; false if it is not. Without the GIL.
+  /// Errors: Cancelled where the call has ended.
+  static bool RunWithin(const std::string& call, const std::function<void(bool)>& work) {
+    {
+      const std::lock_guard lock(mutex);
+      if (!known.contains(call) || process != getpid()) return false;  // a child knows it, too
+      if (current != call) throw sim::Cancelled{};
+      ++running;
+    }
+    struct End {
+      ~End() {
+        const std::lock_guard lock(mutex);
+        --running;
+        ended.notify_all();
+      }
+    } end;
+    work(true);
+    return true;
+  }
+
+ private:
+  static inline std::mutex mutex;
+  static inline std::condition_variable ended;
+  static inline pid_t process = 0;
+  static inline std::set<std::string> known;
+  static inline std::string current;
+  static inline int running = 0;
+};
+
 /// In this scope new threads get no signals: Python's handlers interrupt system calls.
 class NoSignals {
  public:
@@ -162,13 +214,17 @@ void AddNote(const py::error_already_set& raised, const std::exception_ptr& erro
 }
 
 std::vector<std::string> RunInTurn(const py::object& on_progress,
-                                   const std::function<void(LongWork&)>& work) {
+                                   const std::function<void(LongWork&)>& work,
+                                   ExecutorParts* elsewhere) {
   const Turn turn;
+  std::optional<CallWithParts> parts;
+  if (elsewhere != nullptr) parts.emplace(elsewhere->call());
   LongWork state;
   std::optional<py::error_already_set> raised;
   double told = 0.0;
   const auto look = [&](double done) {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (elsewhere != nullptr) elsewhere->Look();
     if (on_progress.is_none() || done == told) return;
     told = done;
     on_progress(done, state.all());
@@ -214,11 +270,12 @@ std::vector<std::string> LongWork::TakeRemarks() {
 void EndLongCalls() { Turn::End(); }
 
 std::vector<std::string> RunLong(const py::object& on_progress,
-                                 const std::function<void(LongWork&)>& work) {
+                                 const std::function<void(LongWork&)>& work,
+                                 ExecutorParts* elsewhere) {
   std::vector<std::string> remarks;
   std::exception_ptr error;
   try {
-    remarks = RunInTurn(on_progress, work);
+    remarks = RunInTurn(on_progress, work, elsewhere);
   } catch (...) {
     error = std::current_exception();
   }
@@ -230,6 +287,14 @@ std::vector<std::string> RunLong(const py::object& on_progress,
   }
   if (error) std::rethrow_exception(error);
   return remarks;
+}
+
+void RunPartOf(const std::string& call, const std::function<void(bool is_within)>& work) {
+  {
+    const py::gil_scoped_release unlocked;
+    if (CallWithParts::RunWithin(call, work)) return;
+  }
+  RunLong(py::none(), [&work](LongWork&) { work(false); });
 }
 
 }  // namespace gauntlet::python

@@ -10,6 +10,8 @@
 
 namespace gauntlet::python {
 
+class ExecutorParts;
+
 /// Reports of long work to its caller, from any thread.
 class LongWork {
  public:
@@ -32,9 +34,15 @@ class LongWork {
 /// signals and calls `on_progress(done, all)`, unless it is None: an exception of either stops the
 /// work and is thrown. Long calls take turns, because stopping is a matter of the whole process.
 /// Returns the remarks of the work. Errors: those of `work`; RunError for a call from
-/// `on_progress` or from a filter of the caller.
+/// `on_progress` or from a filter of the caller. `elsewhere`: parts of the work that an executor
+/// computes; null: none.
 std::vector<std::string> RunLong(const pybind11::object& on_progress,
-                                 const std::function<void(LongWork&)>& work);
+                                 const std::function<void(LongWork&)>& work,
+                                 ExecutorParts* elsewhere = nullptr);
+
+/// Runs a part of the long call `call`: in this thread within that call, where it runs in this
+/// process, as with a pool of threads; in another process as a long call of its own.
+void RunPartOf(const std::string& call, const std::function<void(bool is_within)>& work);
 
 /// Stops the long call of another thread, and lets none begin any more: before Python ends, which
 /// would end that thread in the middle of C++.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "python/bindings.h"
+#include "python/elsewhere.h"
 #include "python/long_call.h"
 #include "python/own_filters.h"
 #include "python/results.h"
@@ -22,6 +23,7 @@
 #include "sim/base/output_file.h"
 #include "sim/base/output_folder.h"
 #include "sim/base/signal_storage.h"
+#include "sim/base/stop.h"
 #include "sim/base/threads.h"
 #include "sim/results/answer_files.h"
 #include "sim/show/pages/sweep_page.h"
@@ -89,15 +91,28 @@ sim::SweepPlan SweepPlanOf(const SettingsSource& study, const sim::SweepOverride
   return sim::LoadSweepPlan(sim::ReadyFile(study.file, "studies", "study"), overrides);
 }
 
+/// Runs some cells of a sweep, on one thread, into a study.db.
+void RunCellsOfPart(const SettingsSource& study, const sim::SweepOverrides& overrides,
+                    const PartRequest& part) {
+  const sim::SweepPlan plan = SweepPlanOf(study, overrides);
+  sim::SweepDatabase database(part.database, sim::HashOfSweep(plan), plan.metrics);
+  sim::RunSweep(plan, database,
+                {.cells = {part.range.first, part.range.end},
+                 .progress = [](double, double) { return !sim::StopAsked(); }});
+}
+
 /// {"json", "csv", "text", "html", "tables", "remarks"}; `out` gets the files of `gauntlet
 /// sweep`.
 py::dict Sweep(const SettingsSource& study, const sim::SweepOverrides& overrides, int jobs,
-               const std::string& out, const OwnFilters& own_filters,
+               const std::string& out, const OwnFilters& own_filters, const py::object& executor,
                const py::object& on_progress) {
   std::string json, csv;
   sim::ResultText text, verbose;
-  const std::vector<std::string> remarks = RunLong(on_progress, [&](LongWork& work) {
-    const OwnFiltersOfCall scope(own_filters);
+  std::optional<ExecutorParts> parts;
+  if (!executor.is_none()) parts.emplace(executor);
+  ExecutorParts* const elsewhere = parts ? &*parts : nullptr;
+  const auto run = [&](LongWork& work) {
+    const OwnFiltersOfCall scope(own_filters, elsewhere ? elsewhere->call() : "");
     const sim::SweepPlan plan = SweepPlanOf(study, overrides);
     sim::CheckProgramsOf(plan.scenario, plan.file.controllers);
     sim::SetSignalFolder(out);
@@ -114,7 +129,8 @@ py::dict Sweep(const SettingsSource& study, const sim::SweepOverrides& overrides
                     {.jobs = sim::JobsOrCores(jobs),
                      .cells = cells,
                      .progress = [&](double done, double all) { return work.Progress(done, all); },
-                     .remark = [&](const std::string& line) { work.Remark(line); }});
+                     .remark = [&](const std::string& line) { work.Remark(line); },
+                     .elsewhere = elsewhere});
     } catch (const sim::Cancelled&) {
       database.Flush();
       throw sim::Cancelled{sim::KeptIn(folder.path() / "study.db")};
@@ -138,7 +154,8 @@ py::dict Sweep(const SettingsSource& study, const sim::SweepOverrides& overrides
                         [&json](std::string_view piece) { json += piece; });
     text = sim::SweepText(plan, summary, response, false);
     verbose = sim::SweepText(plan, summary, response, true);
-  });
+  };
+  const std::vector<std::string> remarks = RunLong(on_progress, run, elsewhere);
   py::dict dict;
   dict["json"] = json;
   dict["csv"] = csv;
@@ -179,13 +196,31 @@ void BindSearches(py::module_& module) {
       [](const std::string& file, const std::optional<std::string>& text,
          const std::vector<std::string>& overrides, const std::optional<int>& seeds,
          bool filter_only, int jobs, const std::string& out, bool allow_programs,
-         const py::dict& filters, const py::object& on_progress) {
+         const py::dict& filters, const py::object& executor, const py::object& on_progress) {
         return Sweep({file, text}, {.seeds = seeds, .filter_only = filter_only, .set = overrides},
-                     jobs, out, {allow_programs, OwnObjectsOf(filters)}, on_progress);
+                     jobs, out, {allow_programs, OwnObjectsOf(filters)}, executor, on_progress);
       },
       py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("seeds"),
       py::arg("filter_only"), py::arg("jobs"), py::arg("out"), py::arg("allow_programs"),
-      py::arg("filters"), py::arg("on_progress"));
+      py::arg("filters"), py::arg("executor"), py::arg("on_progress"));
+  module.def(
+      "run_cells",
+      [](const std::string& file, const std::optional<std::string>& text,
+         const std::vector<std::string>& overrides, const std::optional<int>& seeds,
+         bool filter_only, bool allow_programs, const py::dict& filters, const std::string& call,
+         std::int64_t first, std::int64_t end, const std::string& database) {
+        const OwnFilters own_filters = {allow_programs, OwnObjectsOf(filters)};
+        RunPartOf(call, [&](bool is_within) {
+          std::optional<OwnFiltersOfCall> scope;
+          if (!is_within) scope.emplace(own_filters, call);
+          RunCellsOfPart({file, text},
+                         {.seeds = seeds, .filter_only = filter_only, .set = overrides},
+                         {{first, end}, database});
+        });
+      },
+      py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("seeds"),
+      py::arg("filter_only"), py::arg("allow_programs"), py::arg("filters"), py::arg("call"),
+      py::arg("first"), py::arg("end"), py::arg("database"));
 }
 
 }  // namespace gauntlet::python

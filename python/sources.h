@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/base/data_folder.h"
+#include "sim/study/elsewhere.h"
 #include "sim/study/scenario/scenario_reader.h"
 #include "sim/trial/external/external_filters.h"
 #include "sim/trial/external/own_objects.h"
@@ -28,16 +29,25 @@ struct OwnFilters {
 /// They can be used while this object lives. Long calls take turns.
 class OwnFiltersOfCall {
  public:
-  explicit OwnFiltersOfCall(const OwnFilters& filters) {
+  /// `call`: a name of the call, where several processes work for it.
+  explicit OwnFiltersOfCall(const OwnFilters& filters, const std::string& call = "") {
+    sim::NameRun(call);
     sim::AllowPrograms(filters.allow_programs);
     sim::SetOwnObjects(filters.objects);
   }
   ~OwnFiltersOfCall() {
+    sim::NameRun("");
     sim::SetOwnObjects({});
     sim::AllowPrograms(false);
   }
   OwnFiltersOfCall(const OwnFiltersOfCall&) = delete;
   OwnFiltersOfCall& operator=(const OwnFiltersOfCall&) = delete;
+};
+
+/// What a part of a long call runs: some trials or cells into a study.db.
+struct PartRequest {
+  sim::WorkRange range;
+  std::string database;
 };
 
 /// Settings of a scenario. Errors: UserError for a file that is none.

@@ -10,6 +10,7 @@
 
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "python/elsewhere.h"
 #include "python/long_call.h"
 #include "python/own_filters.h"
 #include "python/results.h"
@@ -21,11 +22,13 @@
 #include "sim/base/error.h"
 #include "sim/base/output_folder.h"
 #include "sim/base/signal_storage.h"
+#include "sim/base/stop.h"
 #include "sim/base/threads.h"
 #include "sim/show/pages/controllers_front.h"
 #include "sim/show/pages/score_table.h"
 #include "sim/show/pages/study_folder_files.h"
 #include "sim/study/made_with.h"
+#include "sim/study/trial_table/study_database.h"
 #include "sim/trial/trace_signals.h"
 
 namespace gauntlet::python {
@@ -42,8 +45,8 @@ struct StudyRequest {
   int jobs = 0;
   std::string causes = "auto";
   std::string out;  // empty: no files
-  sim::TraceFormats formats;
-  OwnFilters own_filters;
+  sim::TraceFormats formats = {};
+  OwnFilters own_filters = {};
 };
 
 using Finished = std::shared_ptr<sim::FinishedStudy>;
@@ -70,15 +73,37 @@ sim::Scenario ReadScenario(const sim::ScenarioSource& source, const StudyRequest
   return scenario;
 }
 
+int SeedsOf(const StudyRequest& request, const sim::Scenario& scenario) {
+  if (request.seeds > 0) return request.seeds;
+  return request.comparison ? sim::SeedsOfComparison(scenario) : 1;
+}
+
+/// Runs some trials of a comparison, on one thread, into a study.db.
+void RunTrialsOfPart(const StudyRequest& request, const PartRequest& part) {
+  const sim::ScenarioSource source = ScenarioSourceOf(request.scenario, request.overrides);
+  sim::Scenario scenario = sim::ParseScenario(source);
+  sim::KeepControllers(request.controllers, scenario);
+  const int seeds = SeedsOf(request, scenario);
+  const sim::Study study = sim::PrepareStudy(source, std::move(scenario));
+  sim::StudyDatabase database(part.database, study, {.seeds = seeds});
+  sim::RunSomeTrials(study,
+                     {.seeds = seeds,
+                      .progress = [](double, int) { return !sim::StopAsked(); },
+                      .keep_first_traces = false,
+                      .causes = CausesOf(request.causes),
+                      .store = &database},
+                     part.range);
+  if (const auto not_kept = database.Finish()) throw sim::RunError(*not_kept);
+}
+
 /// Runs a study in the same steps as `gauntlet run` and `compare`.
-void RunStudy(const StudyRequest& request, LongWork& work, sim::FinishedStudy& finished) {
-  const OwnFiltersOfCall own_filters(request.own_filters);
+void RunStudy(const StudyRequest& request, ExecutorParts* elsewhere, LongWork& work,
+              sim::FinishedStudy& finished) {
+  const OwnFiltersOfCall own_filters(request.own_filters, elsewhere ? elsewhere->call() : "");
   const sim::CauseSeeds causes = CausesOf(request.causes);
   const sim::ScenarioSource source = ScenarioSourceOf(request.scenario, request.overrides);
   sim::Scenario scenario = ReadScenario(source, request, work);
-  const int seeds = request.seeds > 0    ? request.seeds
-                    : request.comparison ? sim::SeedsOfComparison(scenario)
-                                         : 1;
+  const int seeds = SeedsOf(request, scenario);
   finished.comparison = request.comparison;
   if (!request.out.empty()) sim::SetSignalFolder(request.out);
   finished.study = sim::PrepareStudy(source, std::move(scenario));
@@ -90,7 +115,8 @@ void RunStudy(const StudyRequest& request, LongWork& work, sim::FinishedStudy& f
          .causes = causes,
          .progress = [&](double done, int all) { return work.Progress(done, all); },
          .note = [&](const std::string& line) { work.Remark(line); },
-         .remark = [&](const std::string& line) { work.Remark(line); }},
+         .remark = [&](const std::string& line) { work.Remark(line); },
+         .elsewhere = elsewhere},
         finished);
   };
   std::optional<std::string> not_kept;
@@ -115,10 +141,15 @@ void RunStudy(const StudyRequest& request, LongWork& work, sim::FinishedStudy& f
 }
 
 std::pair<Finished, std::vector<std::string>> Run(const StudyRequest& request,
+                                                  const py::object& executor,
                                                   const py::object& on_progress) {
   auto finished = std::make_shared<sim::FinishedStudy>();
-  std::vector<std::string> remarks =
-      RunLong(on_progress, [&](LongWork& work) { RunStudy(request, work, *finished); });
+  std::optional<ExecutorParts> parts;
+  if (!executor.is_none()) parts.emplace(executor);
+  ExecutorParts* const elsewhere = parts ? &*parts : nullptr;
+  std::vector<std::string> remarks = RunLong(
+      on_progress, [&](LongWork& work) { RunStudy(request, elsewhere, work, *finished); },
+      elsewhere);
   return {std::move(finished), std::move(remarks)};
 }
 
@@ -189,7 +220,7 @@ void BindStudies(py::module_& module) {
          const std::vector<std::string>& overrides, const std::vector<std::string>& controllers,
          bool comparison, int seeds, int jobs, const std::string& causes, const std::string& out,
          bool csv, bool mcap, bool allow_programs, const py::dict& filters,
-         const py::object& on_progress) {
+         const py::object& executor, const py::object& on_progress) {
         return Run({.scenario = {file, text},
                     .overrides = overrides,
                     .controllers = controllers,
@@ -200,12 +231,36 @@ void BindStudies(py::module_& module) {
                     .out = out,
                     .formats = {.csv = csv, .mcap = mcap},
                     .own_filters = {allow_programs, OwnObjectsOf(filters)}},
-                   on_progress);
+                   executor, on_progress);
       },
       py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("controllers"),
       py::arg("comparison"), py::arg("seeds"), py::arg("jobs"), py::arg("causes"), py::arg("out"),
       py::arg("csv"), py::arg("mcap"), py::arg("allow_programs"), py::arg("filters"),
-      py::arg("on_progress"));
+      py::arg("executor"), py::arg("on_progress"));
+  module.def(
+      "run_trials",
+      [](const std::string& file, const std::optional<std::string>& text,
+         const std::vector<std::string>& overrides, const std::vector<std::string>& controllers,
+         int seeds, const std::string& causes, bool allow_programs, const py::dict& filters,
+         const std::string& call, std::int64_t first, std::int64_t end,
+         const std::string& database) {
+        const OwnFilters own_filters = {allow_programs, OwnObjectsOf(filters)};
+        RunPartOf(call, [&](bool is_within) {
+          std::optional<OwnFiltersOfCall> scope;
+          if (!is_within) scope.emplace(own_filters, call);
+          RunTrialsOfPart({.scenario = {file, text},
+                           .overrides = overrides,
+                           .controllers = controllers,
+                           .comparison = true,
+                           .seeds = seeds,
+                           .causes = causes,
+                           .out = {}},
+                          {{first, end}, database});
+        });
+      },
+      py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("controllers"),
+      py::arg("seeds"), py::arg("causes"), py::arg("allow_programs"), py::arg("filters"),
+      py::arg("call"), py::arg("first"), py::arg("end"), py::arg("database"));
 }
 
 }  // namespace gauntlet::python

@@ -75,9 +75,10 @@ class Filters:
             return self._settings(value)
         return self._settings(PythonFilter(value)) if callable(value) else value
 
-    def core(self) -> dict[str, tuple[Callable[..., Any], str]]:
-        """As the core takes them."""
-        return {name: (_maker(given), _identity(given)) for name, given in self._known.items()}
+    def core(self, identities: Optional[Mapping[str, str]] = None) -> dict[str, tuple[Callable[..., Any], str]]:
+        """As the core takes them. `identities`: those that another process found."""
+        known = identities or {name: _identity(given) for name, given in self._known.items()}
+        return {name: (_maker(given), known[name]) for name, given in self._known.items()}
 
     def _settings(self, given: PythonFilter) -> dict[str, Any]:
         settings: dict[str, Any] = {"kind": "external", "command": _PREFIX + self._name_of(given)}

@@ -52,7 +52,7 @@ struct TrialTask {
 /// The trials of a study as tasks, in the order of the seeds. Any thread may call it.
 class TrialQueue {
  public:
-  TrialQueue(std::size_t seeds, std::size_t controllers, std::size_t jobs);
+  TrialQueue(const WorkRange& trials, std::size_t controllers, std::size_t jobs);
 
   /// None after the last task, or after Stop().
   std::optional<TrialTask> Next();
@@ -62,21 +62,24 @@ class TrialQueue {
 
  private:
   std::size_t controllers_;
-  std::size_t tasks_;
+  std::size_t end_;  // of the tasks
   std::size_t threads_;
   std::atomic<bool> stopped_{false};
   std::mutex mutex_;
-  std::size_t next_task_ = 0;
+  std::size_t next_task_;
   SeedGloves gloves_;  // of the seed whose tasks are given out
   SeedGloves next_gloves_;
 };
 
-TrialQueue::TrialQueue(std::size_t seeds, std::size_t controllers, std::size_t jobs)
-    : controllers_(controllers), tasks_(controllers * seeds), threads_(std::min(jobs, tasks_)) {}
+TrialQueue::TrialQueue(const WorkRange& trials, std::size_t controllers, std::size_t jobs)
+    : controllers_(controllers),
+      end_(static_cast<std::size_t>(trials.end)),
+      threads_(std::min(jobs, static_cast<std::size_t>(trials.end - trials.first))),
+      next_task_(static_cast<std::size_t>(trials.first)) {}
 
 std::optional<TrialTask> TrialQueue::Next() {
   const std::lock_guard lock(mutex_);
-  if (stopped_ || next_task_ == tasks_) return std::nullopt;
+  if (stopped_ || next_task_ >= end_) return std::nullopt;
   const std::size_t place = next_task_ % controllers_;
   if (place == 0) gloves_ = std::exchange(next_gloves_, SeedGloves{});
   TrialTask task = {
@@ -84,7 +87,7 @@ std::optional<TrialTask> TrialQueue::Next() {
   ++next_task_;
   // The last tasks of a seed run on all threads. The first of these tasks makes the next glove, so
   // that no thread waits for it later.
-  const bool is_last_seed = (task.seed_index + 1) * controllers_ == tasks_;
+  const bool is_last_seed = (task.seed_index + 1) * controllers_ >= end_;
   if (threads_ > 1 && place > 0 && place + threads_ == controllers_ && !is_last_seed) {
     task.next = next_gloves_;
   }
@@ -144,12 +147,12 @@ void RefuseLinks(const Scenario& scenario) {
 /// Runs the trials of a study on the threads that call Work().
 class StudyRun {
  public:
-  StudyRun(const Study& study, const StudyOptions& options)
+  StudyRun(const Study& study, const StudyOptions& options, const WorkRange& trials)
       : study_(study),
         options_(options),
         causes_(PlanOf(study, options)),
         cause_trials_(study),
-        queue_(static_cast<std::size_t>(options.seeds), study.scenario.controllers.size(),
+        queue_(trials, study.scenario.controllers.size(),
                static_cast<std::size_t>(std::max(1, options.jobs))) {
     const std::size_t controllers = study.scenario.controllers.size();
     result_.row_names = study.rows.names;
@@ -160,9 +163,10 @@ class StudyRun {
       const int seed = study.scenario.seed + i;
       result_.seeds.push_back(
           {.seed = seed, .controllers = std::vector<TrialOutcome>(controllers)});
-      for (std::size_t c = 0; c < controllers; ++c) {
-        trials_in_all_ += TrialsOf(static_cast<std::size_t>(i), c);
-      }
+    }
+    for (std::int64_t i = trials.first; i < trials.end; ++i) {
+      const auto number = static_cast<std::size_t>(i);
+      trials_in_all_ += TrialsOf(number / controllers, number % controllers);
     }
     if (options.keep_first_traces) {
       result_.first_traces.resize(controllers);
@@ -394,6 +398,23 @@ class StudyRun {
   double trials_in_all_ = 0.0;  // twins counted
 };
 
+/// Errors: SettingError, RunError.
+void CheckOptions(const Study& study, const StudyOptions& options, bool seeds_alike) {
+  if (!options.physics) RefuseLinks(study.scenario);
+  if (options.seeds > 1 && !seeds_alike) RefuseOtherGloves(study, options.seeds);
+  CheckRoom(study, options);
+}
+
+void RunOnAllThreads(const StudyOptions& options, StudyRun& run) {
+  RunOnThreads(
+      run.threads(), [&run] { run.Work(); },
+      [&](std::size_t started, const std::string& reason) {
+        if (!options.remark) return;
+        options.remark(fmt::format("only {} of {} threads can be started: {}", started,
+                                   run.threads(), reason));
+      });
+}
+
 }  // namespace
 
 int TrialCount(const Study& study, int seeds, CauseSeeds causes) {
@@ -407,21 +428,17 @@ int TrialCount(const Study& study, int seeds, CauseSeeds causes) {
   return static_cast<int>(std::ceil(count));
 }
 
+int SeedsThatDiffer(const Study& study, int seeds) {
+  return Repeats(study, seeds).alike() ? static_cast<int>(study.repetitions.size()) : seeds;
+}
+
 StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   StudyOptions options = asked;
   const Repeats repeats(study, asked.seeds);
   if (repeats.alike()) options.seeds = static_cast<int>(study.repetitions.size());
-  if (!options.physics) RefuseLinks(study.scenario);
-  if (options.seeds > 1 && !repeats.alike()) RefuseOtherGloves(study, options.seeds);
-  CheckRoom(study, options);
-  StudyRun run(study, options);
-  RunOnThreads(
-      run.threads(), [&run] { run.Work(); },
-      [&](std::size_t started, const std::string& reason) {
-        if (!options.remark) return;
-        options.remark(fmt::format("only {} of {} threads can be started: {}", started,
-                                   run.threads(), reason));
-      });
+  CheckOptions(study, options, repeats.alike());
+  StudyRun run(study, options, {0, options.seeds * std::ssize(study.scenario.controllers)});
+  RunOnAllThreads(options, run);
   StudyResult result = run.Finish();
   for (SeedOutcome& seed : result.seeds) {
     std::vector<Scores*> trials;
@@ -433,6 +450,14 @@ StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   for (std::size_t i = 0; i < motions.size(); ++i) result.seeds[i].motion = motions[i];
   FindDurations(study, result);
   return result;
+}
+
+void RunSomeTrials(const Study& study, const StudyOptions& asked, const WorkRange& trials) {
+  StudyOptions options = asked;
+  options.seeds = SeedsThatDiffer(study, asked.seeds);
+  CheckOptions(study, options, options.seeds < asked.seeds);
+  StudyRun run(study, options, trials);
+  RunOnAllThreads(options, run);
 }
 
 }  // namespace gauntlet::sim

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/study/cause_plan.h"
+#include "sim/study/elsewhere.h"
 #include "sim/study/study.h"
 
 namespace gauntlet::sim {
@@ -83,6 +84,9 @@ struct StudyResult {
   std::vector<CauseAngles> first_others;                  // of these trials, if causes are found
 };
 
+/// `seeds`, or one for each repetition where nothing is drawn at random: see RunStudy().
+int SeedsThatDiffer(const Study& study, int seeds);
+
 /// Number of trials of so many seeds, twins and those of causes included, cut ones as parts.
 int TrialCount(const Study& study, int seeds, CauseSeeds causes = CauseSeeds::kNone);
 
@@ -92,5 +96,10 @@ int TrialCount(const Study& study, int seeds, CauseSeeds causes = CauseSeeds::kN
 /// The result does not depend on jobs. Errors: RunError, before the first trial, where the signals
 /// find no room: see SignalStorage.
 StudyResult RunStudy(const Study& study, const StudyOptions& options);
+
+/// Runs some of the trials that RunStudy() would run, for the store of the options. They are
+/// numbered from 0, seed by seed, and within a seed in the order of the controllers. Errors: as of
+/// RunStudy().
+void RunSomeTrials(const Study& study, const StudyOptions& options, const WorkRange& trials);
 
 }  // namespace gauntlet::sim

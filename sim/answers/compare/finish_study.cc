@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/score/no_score.h"
 #include "sim/study/trial_score.h"
+#include "sim/study/trial_table/awaited_trials.h"
 #include "sim/study/trial_table/study_database.h"
 #include "sim/study/trial_table/trial_table.h"
 #include "sim/trial/joint_angles.h"
@@ -21,6 +22,10 @@ void Tell(const std::function<void(const std::string&)>& hearer, const std::stri
 }
 
 StudyResult RunTrials(const Study& study, const StudyWork& work, TrialStore* store) {
+  std::optional<AwaitedTrials> awaited;
+  if (work.elsewhere != nullptr) {
+    store = &awaited.emplace(study, work.seeds, *work.elsewhere, store);
+  }
   return RunStudy(study, {.seeds = work.seeds,
                           .jobs = work.jobs,
                           .progress = work.progress,

@@ -16,6 +16,7 @@ struct StudyWork {
   std::function<bool(double, int)> progress = {};     // see StudyOptions
   std::function<void(const std::string&)> note = {};  // a line about trials that are known already
   std::function<void(const std::string&)> remark = {};  // see StudyOptions
+  Elsewhere* elsewhere = nullptr;  // for the trials of a comparison; null: all are run here
 };
 
 /// The seeds of a comparison that names no number: 8, or one of each repetition where there are

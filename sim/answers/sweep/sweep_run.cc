@@ -59,14 +59,12 @@ class Sweep {
   }
 
   void Run() {
+    if (options_.elsewhere != nullptr) TakePartsFrom(*options_.elsewhere);
     for (std::int64_t first = options_.cells.first; first < options_.cells.end;) {
       ThrowIfStopped();
       const CellRange cells = blocks_.BlockFrom({first, options_.cells.end});
-      const std::vector<std::int64_t> numbers = cells.Numbers();
-      if (!std::ranges::all_of(numbers, [this](auto cell) { return IsKnown(cell); })) {
-        RunBlock(cells);
-      }
-      done_ += per_trial_ * seeds_ * static_cast<double>(controllers_ * std::ssize(numbers));
+      if (!AllKnown(cells)) RunBlock(cells);
+      done_ += per_trial_ * seeds_ * static_cast<double>(controllers_ * (cells.end - cells.first));
       Progress(0.0);
       first = cells.end;
     }
@@ -75,7 +73,34 @@ class Sweep {
 
  private:
   bool Progress(double more) {
-    return !options_.progress || options_.progress(std::min(done_ + more, all_), all_);
+    if (!options_.progress) return true;
+    return options_.progress(std::min(std::max(done_ + more, done_elsewhere_), all_), all_);
+  }
+
+  bool AllKnown(const CellRange& cells) {
+    return std::ranges::all_of(cells.Numbers(), [this](auto cell) { return IsKnown(cell); });
+  }
+
+  /// Waits for the cells that are computed elsewhere. What does not come is lacking still.
+  void TakePartsFrom(Elsewhere& elsewhere) {
+    constexpr std::chrono::milliseconds kPatience{50};
+    std::vector<WorkRange> parts =
+        Divide({options_.cells.first, options_.cells.end}, elsewhere.most_parts());
+    std::erase_if(parts, [&](const WorkRange& part) { return AllKnown({part.first, part.end}); });
+    elsewhere.Begin(parts);
+    for (std::size_t left = parts.size(); left > 0;) {
+      ThrowIfStopped();
+      const std::optional<Elsewhere::Part> part = elsewhere.Next(kPatience);
+      if (!part) continue;
+      --left;
+      if (part->database.empty()) continue;
+      const CellRange cells = {parts.at(part->number).first, parts.at(part->number).end};
+      database_.Collect(part->database);
+      if (!AllKnown(cells)) throw RunError(kOtherBuild);
+      done_elsewhere_ +=
+          per_trial_ * seeds_ * static_cast<double>(controllers_ * (cells.end - cells.first));
+      Progress(0.0);
+    }
   }
 
   /// True if the file has the cell and all its trials.
@@ -191,6 +216,7 @@ class Sweep {
   std::int64_t controllers_ = 1;  // of each cell
   double all_ = 0.0;
   double done_ = 0.0;  // of blocks that are finished
+  double done_elsewhere_ = 0.0;
   bool forecast_done_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sim/answers/sweep/sweep_plan.h"
+#include "sim/study/elsewhere.h"
 #include "sim/study/trial_table/sweep_database.h"
 
 namespace gauntlet::sim {
@@ -23,6 +24,8 @@ struct SweepOptions {
   /// Gets trials done and trials in all, twins counted; false stops: Cancelled.
   std::function<bool(double, double)> progress = {};
   std::function<void(const std::string&)> remark = {};  // see StudyOptions
+  /// Where the cells are computed that the database lacks; null: here.
+  Elsewhere* elsewhere = nullptr;
 };
 
 /// Hash of all that decides which cells a sweep has and what they do: the study file as read, the

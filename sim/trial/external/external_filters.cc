@@ -160,9 +160,13 @@ std::string HashSince(const std::filesystem::path& file) {
   return hash;
 }
 
+std::mutex run_mutex;
+std::string run_name;
+
 /// A text that no other run of Gauntlet has, and no other consent in it: what is known by it is not
 /// found again.
 std::string OnlyOnce() {
+  if (const std::lock_guard lock(run_mutex); !run_name.empty()) return run_name;
   static const std::string kOnce = [] {
     std::random_device source;
     return fmt::format("{:x} {:x} {:x} {:x}", source(), source(), source(), source());
@@ -185,6 +189,11 @@ class ExternalMaker final : public controller::FilterMaker {
 };
 
 }  // namespace
+
+void NameRun(const std::string& name) {
+  const std::lock_guard lock(run_mutex);
+  run_name = name;
+}
 
 void AllowPrograms(bool allowed) {
   programs_allowed = allowed;

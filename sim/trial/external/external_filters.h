@@ -14,6 +14,9 @@ namespace gauntlet::sim {
 /// The consent of the person, by --allow-programs or an argument in Python: from now on, trials may
 /// run the programs that scenarios name, or not any more. No file can give it.
 void AllowPrograms(bool allowed = true);
+/// A name that replaces what else tells each process from all others, where several work for one
+/// call: filters whose answers are not deterministic are known again under it. Empty: none.
+void NameRun(const std::string& name);
 /// The consent as messages call it, in place of --allow-programs. `option` lives for ever.
 void NameConsent(const char* option);
 
