@@ -2,7 +2,12 @@
 
 #include <pybind11/pybind11.h>
 
+#include <exception>
+
 namespace gauntlet::python {
+
+/// Sets the exception of Python for one of Gauntlet; throws others again.
+void SetPythonError(const std::exception_ptr& error);
 
 void BindFilter(pybind11::module_& module);
 void BindController(pybind11::module_& module);

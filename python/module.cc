@@ -22,7 +22,9 @@ void Raise(const char* name, const py::tuple& arguments) {
   PyErr_SetObject(type.ptr(), type(*arguments).ptr());
 }
 
-void Translate(std::exception_ptr error) {
+}  // namespace
+
+void SetPythonError(const std::exception_ptr& error) {
   try {
     if (error) std::rethrow_exception(error);
   } catch (const sim::UserError& mistake) {
@@ -36,7 +38,6 @@ void Translate(std::exception_ptr error) {
   }
 }
 
-}  // namespace
 }  // namespace gauntlet::python
 
 PYBIND11_MODULE(_core, module) {
@@ -48,7 +49,7 @@ PYBIND11_MODULE(_core, module) {
                            " is loaded for the whole process (RTLD_GLOBAL); import gauntlet "
                            "before it, or in a process of its own");
   }
-  py::register_exception_translator(&Translate);
+  py::register_exception_translator([](std::exception_ptr error) { SetPythonError(error); });
   gauntlet::sim::NameConsent("allow_programs=True");
   module.attr("__version__") = GAUNTLET_VERSION;
   module.def("set_data_folder",

@@ -30,7 +30,7 @@ from ._results import (AuditResult, Column, Figure, IdentifyResult, InspectResul
 from ._settings import Settings, overrides as _overrides, source as _source, to_yaml
 
 __version__: str = _core.__version__
-__all__ = ["AuditResult", "Column", "Controller", "Figure", "IdentifyResult", "InspectResult", "PythonFilter", "Remark", "Result",
+__all__ = ["AuditResult", "Column", "Controller", "Figure", "Filter", "IdentifyResult", "InspectResult", "PythonFilter", "Remark", "Result",
            "RunError", "SettingError", "Settings", "SignalArrays", "StudyResult", "SweepResult", "Table", "TuneResult", "audit",
            "compare", "filter", "filter_kinds", "identify", "inspect", "run", "sweep", "to_yaml", "tune"]
 
@@ -67,6 +67,42 @@ def filter(array: Any, kind: Union[str, Mapping[str, Any]], *, rate_hz: Optional
     if held:
         _remark([f"filter: {held} missing values held at the last good one"])
     return result
+
+
+class Filter:
+    """A filter that takes one sample at a time, with the numbers of filter() bit for bit.
+
+    kind     kind of filter, or its settings as a dict: {"kind": "one_euro", "min_cutoff_hz": 1}
+    rate_hz  sampling rate, needed by filters with settings in Hz or s, and for the times of step()
+    Errors: SettingError.
+    """
+
+    def __init__(self, kind: Union[str, Mapping[str, Any]], *, rate_hz: Optional[float] = None, **settings: Any) -> None:
+        chosen = {**kind, **settings} if isinstance(kind, Mapping) else {"kind": kind, **settings}
+        self._core = _core.Filter(to_yaml(chosen), rate_hz)
+        setattr(self, "step", self._core.bound_step())  # in place of the method: a call less for each sample
+
+    def step(self, x: Any, t: Optional[float] = None, out: Optional[np.ndarray] = None) -> Any:
+        """The filtered sample: a number for a number, an array for an array with a value for each channel.
+
+        t    time of the sample in s. All filters take samples at equal times: one that is more than half an interval
+             early or late, and a mean rate that is 5 % off, are a SettingError
+        out  array of float64 for the result, which may be `x` itself
+        A value that is missing is held as in filter(), without a Remark.
+        """
+        return self._core.bound_step()(x, t, out)
+
+    def reset(self) -> None:
+        """The next sample is the first one, and tells the number of channels."""
+        self._core.reset()
+
+    @property
+    def held(self) -> int:
+        """Missing values since the last reset."""
+        return self._core.held
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a Filter cannot be copied or sent to another process: make a new one")
 
 
 def filter_kinds() -> list[str]:

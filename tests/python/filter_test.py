@@ -1,3 +1,5 @@
+import copy
+import sys
 import threading
 import unittest
 import warnings
@@ -122,6 +124,84 @@ class Filter(Test):
 
     def test_of_nothing_is_nothing(self):
         self.assertEqual(gauntlet.filter(np.zeros((0, 4)), KALMAN).shape, (0, 4))
+
+    def test_steps_give_the_numbers_of_arrays_bit_for_bit(self):
+        values = noisy(columns=18)
+        values[:3, 4] = values[20:22, 5] = np.nan
+        for kind in gauntlet.filter_kinds():
+            with self.subTest(kind):
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")
+                    expected = gauntlet.filter(values, kind, rate_hz=100)
+                one = gauntlet.Filter(kind, rate_hz=100)
+                for again in range(2):
+                    steps = np.array([one.step(row, t=5 + k / 100) for k, row in enumerate(values)])
+                    np.testing.assert_array_equal(steps, expected)
+                    self.assertEqual(one.held, 5)
+                    one.reset()
+        for kind in ("one_euro", "butterworth", "median", KALMAN):
+            one = gauntlet.Filter(kind, rate_hz=100)
+            numbers = [one.step(float(value)) for value in values[:, 0]]
+            self.assertIs(type(numbers[0]), float)
+            self.assertEqual(numbers, gauntlet.filter(values[:, 0], kind, rate_hz=100).tolist())
+
+    def test_a_step_takes_every_kind_of_sample(self):
+        row = np.array([3.0, 1.0, 2.0])
+        expected = gauntlet.Filter("none").step(row)
+        self.assertIsNot(expected, row)
+        for sample in (row.tolist(), row.astype(np.float32), np.repeat(row, 2)[::2], row.astype(">f8"), row.astype(int)):
+            np.testing.assert_array_equal(gauntlet.Filter("none").step(sample), expected)
+        for sample in (3, 3.0, np.float32(3)):
+            self.assertEqual(gauntlet.Filter("none").step(sample), 3.0)
+        one = gauntlet.Filter(KALMAN)
+        out = np.empty(3)
+        self.assertIs(one.step(row, out=out), out)
+        self.assertIs(one.step(x=row, t=None, out=row), row)
+        before = sys.getrefcount(out)
+        for _ in range(100):
+            one.step(row, None, out)
+        self.assertEqual(sys.getrefcount(out), before)
+
+    def test_a_step_refuses_what_is_no_sample(self):
+        one = gauntlet.Filter(KALMAN)
+        for wrong in (np.zeros((2, 3)), np.zeros(0), ["a"], [1j], np.array(1.0)):
+            self.assertEqual(self.mistake(one.step, wrong).place, "filter")
+        one.step(np.zeros(3))
+        self.assertIn("the sample is an array of 2, must be an array of 3", str(self.mistake(one.step, np.zeros(2))))
+        self.assertIn("the sample is a number, must be an array of 3", str(self.mistake(one.step, 1.0)))
+        fixed = np.zeros(3)
+        fixed.flags.writeable = False
+        for out in (np.zeros(2), np.zeros(3, np.float32), fixed, [0, 0, 0]):
+            self.assertEqual(self.mistake(one.step, np.zeros(3), out=out).key, "out")
+        shared = np.zeros(4)
+        self.assertIn("overlaps", str(self.mistake(one.step, shared[1:], out=shared[:3])))
+        for arguments, named in (((), {}), ((1, 2, 3, 4), {}), ((1,), {"x": 1}), ((1,), {"z": 1}), ((None,), {}), ((1, "now"), {})):
+            with self.assertRaises(TypeError):
+                gauntlet.Filter("none", rate_hz=1).step(*arguments, **named)
+        for call in (lambda: gauntlet.Filter("one_euro"), lambda: gauntlet.Filter("one_euro", rate_hz=0),
+                     lambda: gauntlet.Filter("none").step(1, t=0)):
+            self.assertEqual(self.mistake(call).key, "rate_hz")
+        self.assertEqual(self.mistake(gauntlet.Filter, "kalman", qq=1).key, "qq")
+        with self.assertRaisesRegex(TypeError, "make a new one"):
+            copy.copy(one)
+
+    def test_a_step_says_where_the_times_are_not_those_of_the_rate(self):
+        one = gauntlet.Filter("one_euro", rate_hz=100)
+        times = np.arange(300) / 100
+        for t in times + np.random.default_rng(1).uniform(-0.002, 0.002, len(times)):
+            one.step(1.0, t=t)
+        for gap in (0.03, 0.016, 0.004, 0, -0.01, float("nan")):
+            one = gauntlet.Filter("one_euro", rate_hz=100)
+            one.step(1.0, t=7)
+            error = self.mistake(one.step, 2.0, t=7 + gap)
+            self.assertEqual((error.place, error.key), ("filter", "t"))
+            one.step(2.0, t=7.01)  # as if the wrong one had not been
+            one.reset()
+            one.step(2.0, t=0)
+        one.reset()
+        with self.assertRaisesRegex(gauntlet.SettingError, "comes at 80 Hz in the mean, rate_hz is 100"):
+            for k in range(100):
+                one.step(1.0, t=k / 80)
 
     def test_runs_in_threads_at_once(self):
         values = [noisy(20000, 8, seed) for seed in range(4)]
