@@ -26,7 +26,7 @@ inline std::vector<WorkRange> Divide(const WorkRange& work, int most) {
   return parts;
 }
 
-/// Where parts of a study or sweep are computed besides this process. The parts need not come in
+/// Other processes that compute parts of a study or sweep. The parts need not come in
 /// order. Any thread may call Next().
 class Elsewhere {
  public:
@@ -44,7 +44,7 @@ class Elsewhere {
   virtual std::optional<Part> Next(std::chrono::milliseconds patience) = 0;
 };
 
-/// What a RunError says where a part is not what was asked for.
+/// The RunError for a part that is not what was asked for.
 inline constexpr const char* kOtherBuild =
     "executor: a worker gave other results than were asked for; all need the same build of "
     "Gauntlet, the same files and processors of one kind";

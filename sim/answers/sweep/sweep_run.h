@@ -24,7 +24,7 @@ struct SweepOptions {
   /// Gets trials done and trials in all, twins counted; false stops: Cancelled.
   std::function<bool(double, double)> progress = {};
   std::function<void(const std::string&)> remark = {};  // see StudyOptions
-  /// Where the cells are computed that the database lacks; null: here.
+  /// Computes the cells that the database lacks; null: this process does.
   Elsewhere* elsewhere = nullptr;
 };
 
