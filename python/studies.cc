@@ -159,7 +159,37 @@ py::dict TextOf(const sim::FinishedStudy& finished) {
   return dict;
 }
 
-/// The signals of a controller in the first seed, by name: (array, names of columns, unit).
+/// What a column of a signal is.
+constexpr const char* ColumnOf(sim::TraceColumns columns) {
+  switch (columns) {
+    case sim::TraceColumns::kChannels:
+      return "channel";
+    case sim::TraceColumns::kJoints:
+      return "joint";
+    case sim::TraceColumns::kMotors:
+      return "motor";
+    case sim::TraceColumns::kCables:
+      return "cable";
+    case sim::TraceColumns::kGrip:
+      return "object";
+    case sim::TraceColumns::kPose:
+      return "pose";
+    case sim::TraceColumns::kForces:
+      return "force";
+    case sim::TraceColumns::kDigits:
+      return "digits";
+    case sim::TraceColumns::kSensors:
+      return "sensor";
+    case sim::TraceColumns::kLinks:
+      return "link";
+    case sim::TraceColumns::kPalm:
+      return "axis";
+  }
+  return "column";
+}
+
+/// The signals of a controller in the first seed, by name: (array, names of columns, unit, what a
+/// column is).
 py::dict TraceOf(const Finished& finished, std::size_t controller) {
   const sim::Study& study = finished->study;
   const sim::Trace& trace = finished->result.first_traces.at(controller);
@@ -168,8 +198,9 @@ py::dict TraceOf(const Finished& finished, std::size_t controller) {
   py::dict signals;
   sim::ForEachSignal(trace, [&](const auto& signal, const auto& matrix) {
     if (matrix.cols() == 0) return;
-    signals[py::str(std::string(signal.name))] = py::make_tuple(
-        ViewOf(matrix, finished), names.Of(signal.columns), std::string(signal.unit));
+    signals[py::str(std::string(signal.name))] =
+        py::make_tuple(ViewOf(matrix, finished), names.Of(signal.columns), std::string(signal.unit),
+                       ColumnOf(signal.columns));
   });
   return signals;
 }
@@ -178,12 +209,14 @@ py::dict TraceOf(const Finished& finished, std::size_t controller) {
 py::dict SharedSignalsOf(const Finished& finished) {
   const sim::GloveSignal& glove = *finished->result.first_glove;
   py::dict signals;
-  signals["counts"] = py::make_tuple(ViewOf(glove.counts, finished), glove.channel_names, "counts");
+  const char* const channel = ColumnOf(sim::TraceColumns::kChannels);
+  signals["counts"] =
+      py::make_tuple(ViewOf(glove.counts, finished), glove.channel_names, "counts", channel);
   signals["true_angle_rad"] =
-      py::make_tuple(ViewOf(glove.true_angle_rad, finished), glove.channel_names, "rad");
-  signals["reference_angle_rad"] =
-      py::make_tuple(ViewOf(finished->result.first_reference_rad, finished),
-                     finished->study.hand->joint_names(), "rad");
+      py::make_tuple(ViewOf(glove.true_angle_rad, finished), glove.channel_names, "rad", channel);
+  signals["reference_angle_rad"] = py::make_tuple(
+      ViewOf(finished->result.first_reference_rad, finished), finished->study.hand->joint_names(),
+      "rad", ColumnOf(sim::TraceColumns::kJoints));
   return signals;
 }
 

@@ -155,15 +155,32 @@ class SignalArrays(dict):
     """
 
     def __init__(self, signals: dict[str, tuple], rate_hz: float) -> None:
-        super().__init__({name: array for name, (array, _, _) in signals.items()})
-        self.names = {name: list(names) for name, (_, names, _) in signals.items()}
-        self.units = {name: unit for name, (_, _, unit) in signals.items()}
+        super().__init__({name: array for name, (array, *_) in signals.items()})
+        self.names = {name: list(names) for name, (_, names, *_) in signals.items()}
+        self.units = {name: unit for name, (_, _, unit, _) in signals.items()}
+        self._columns = {name: column for name, (*_, column) in signals.items()}
         self.rate_hz = rate_hz
 
     @property
     def time_s(self) -> np.ndarray:
-        rows = max((len(array) for array in self.values()), default=0)
-        return np.arange(rows) / self.rate_hz
+        return np.arange(self._ticks) / self.rate_hz
+
+    @property
+    def _ticks(self) -> int:
+        return max((len(array) for array in self.values()), default=0)
+
+    def to_xarray(self):
+        """A Dataset with a variable per signal, its unit as attribute, over time_s (sample_time_s where it has a row per
+        sample of the glove) and the names of its columns. Errors: ImportError without xarray."""
+        import xarray
+
+        variables, coordinates = {}, {"time_s": self.time_s}
+        for name, array in self.items():
+            time = "time_s" if len(array) == self._ticks else "sample_time_s"
+            coordinates.setdefault(time, np.arange(len(array)) * round(self._ticks / len(array)) / self.rate_hz)
+            coordinates[self._columns[name]] = self.names[name]
+            variables[name] = ((time, self._columns[name]), array, {"units": self.units[name]})
+        return xarray.Dataset(variables, coordinates)
 
 
 class StudyResult(Result):

@@ -131,6 +131,19 @@ class Executors(Test):
                                                            "KilledWorker: worker tcp://a died three times$"):
                 call()
 
+    def test_a_worker_that_computes_something_else_is_found(self):
+        class Other(Lossy):
+            """Its workers have another scenario, as after a change of a file."""
+
+            def submit(self, function, name, arguments, *rest):
+                file, text, overrides, *others = arguments
+                return super().submit(function, name, (file, text, [*overrides, "glove.rate_hz=500"], *others), *rest)
+
+        for call in (lambda: gauntlet.compare("hold_still", set=SHORT, seeds=3, executor=Other(0)),
+                     lambda: gauntlet.sweep(STUDY, executor=Other(0))):
+            with self.assertRaisesRegex(gauntlet.RunError, "executor: a worker gave other results than were asked for"):
+                call()
+
     def test_what_is_kept_is_not_sent(self):
         first = gauntlet.compare("hold_still", set=SHORT, seeds=3, out="out", executor=Lossy(0))
         again = Lossy(0)

@@ -2,6 +2,7 @@ import html.parser
 import sys
 import types
 import unittest
+import unittest.mock
 import xml.etree.ElementTree
 
 import gauntlet
@@ -82,6 +83,30 @@ class Results(Test):
         real = self.result.scores.to_pandas()
         self.assertEqual(real.shape, (len(rows), len(frame.columns)))
         self.assertEqual(str(real["tracking_rmse_deg"].dtype), "float64")
+
+    def test_xarray_gets_signals_with_their_times_and_names(self):
+        result = gauntlet.run("hold_still", set={"glove.motion.duration_s": 0.2, "glove.rate_hz": 500}, causes="none")
+        datasets = []
+        fake = types.SimpleNamespace(Dataset=lambda variables, coordinates: (variables, coordinates))
+        with unittest.mock.patch.dict(sys.modules, {"xarray": fake}):
+            for signals in (result.trace("raw"), result.glove):
+                variables, coordinates = signals.to_xarray()
+                self.assertEqual(set(variables), set(signals))
+                for name, (dimensions, array, attributes) in variables.items():
+                    self.assertIs(array, signals[name])
+                    self.assertEqual(array.shape, tuple(len(coordinates[each]) for each in dimensions), name)
+                    self.assertEqual(list(coordinates[dimensions[1]]), signals.names[name])
+                    self.assertEqual(attributes, {"units": signals.units[name]})
+                datasets.append((variables, coordinates))
+        (trace, _), (glove, coordinates) = datasets
+        self.assertEqual(trace["hand_angle_rad"][0], ("time_s", "joint"))
+        self.assertEqual(glove["counts"][0], ("sample_time_s", "channel"))
+        self.assertEqual(list(coordinates["sample_time_s"][:3]), [0, 0.002, 0.004])
+        try:
+            import xarray
+        except ImportError:
+            return
+        self.assertEqual(result.trace("raw").to_xarray().hand_angle_rad.sel(joint="index_mcp").shape, (200,))
 
     def test_the_figure_is_a_picture_with_all_controllers(self):
         self.assertIsNone(self.result.figure)  # a hand at rest has no delay
