@@ -216,12 +216,17 @@ std::string StillText(const LiveFacts& facts, const LiveContext& context) {
                      context.counts_file, ConverterOptions(context.converters), options);
 }
 
-std::string LoopText(const LiveFacts& facts) {
+std::string LoopText(const LiveFacts& facts, const LiveContext& context) {
+  const std::string end =
+      facts.end != LiveEnd::kGloveEnded
+          ? ""
+          : fmt::format(", ended after {:.3g} s with the {}", facts.duration_s,
+                        context.has_real_glove ? "glove's last frame" : "scenario's motion");
   return fmt::format(
-      "Loop: {} ticks. The machine: wake-ups late by {} ms (p50), {} (p99), {} (max); {} ticks "
+      "Loop: {} ticks{}. The machine: wake-ups late by {} ms (p50), {} (p99), {} (max); {} ticks "
       "skipped, at most {} in a row. The program, from wake-up to command: {} ms of processor time "
       "(p50), {} (p99.9), {} (max); in real time {} (p99.9).",
-      facts.ticks, Ms(facts.lateness.Quantile_us(0.5)), Ms(facts.lateness.Quantile_us(0.99)),
+      facts.ticks, end, Ms(facts.lateness.Quantile_us(0.5)), Ms(facts.lateness.Quantile_us(0.99)),
       Ms(facts.lateness.max_us()), facts.skipped_ticks, facts.longest_skip_ticks,
       Ms(facts.step_cpu.Quantile_us(0.5)), Ms(facts.step_cpu.Quantile_us(0.999)),
       Ms(facts.step_cpu.max_us()), Ms(facts.step.Quantile_us(0.999)));
@@ -377,7 +382,7 @@ ResultText LiveText(const LiveFacts& facts, const LiveContext& context) {
   if (facts.switch_count > 0) rest += SwitchText(facts, context) + "\n";
   if (!facts.still.empty()) rest += StillText(facts, context) + "\n";
   rest += TrendText(facts) + "\n" + QueueText(facts, context) + "\n" + WatchdogText(facts) + "\n" +
-          LoopText(facts);
+          LoopText(facts, context);
   text.emplace_back(std::move(rest));
   if (const std::string advice = AdviceText(facts, context); !advice.empty()) {
     text.emplace_back(advice);
