@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "sim/base/error.h"
 #include "sim/base/json.h"
 #include "sim/score/score.h"
 
@@ -53,6 +54,24 @@ TEST(CompareStudies, PassesOverAMetricThatOneOfThemDoesNotKnow) {
   EXPECT_EQ(difference.scores.size(), Metrics().size() - 1);
   EXPECT_EQ(difference.metrics_only_in_a, std::vector<std::string>{"delay_ms"});
   EXPECT_TRUE(difference.metrics_only_in_b.empty());
+}
+
+TEST(CompareStudies, RefusesScoresOfTwoEngines) {
+  StudyFolder a = Folder(5.0, 1, 8);
+  StudyFolder b = Folder(5.0, 1, 8);
+  a.name = "out/a";
+  b.name = "out/b";
+  a.scenario.made_with.mujoco_version = "2.2.2";
+  EXPECT_TRUE(CompareStudies(a, b).Same()) << "written by hand: nobody says which engine";
+  b.scenario.made_with.mujoco_version = "4.0.0";
+  try {
+    CompareStudies(a, b);
+    FAIL();
+  } catch (const UserError& error) {
+    EXPECT_STREQ(error.what(),
+                 "out/b: was computed with MuJoCo 4.0.0, out/a with 2.2.2: scores of two engines "
+                 "are not compared");
+  }
 }
 
 TEST(CompareStudies, PairsSeeWhatTheScatterOfSeedsHides) {

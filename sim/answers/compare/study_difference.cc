@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/score/score.h"
 #include "sim/score/statistics/result_cells.h"
 
@@ -22,6 +24,17 @@ std::vector<std::string> NotIn(const std::vector<std::string>& names,
     if (std::find(others.begin(), others.end(), name) == others.end()) missing.push_back(name);
   }
   return missing;
+}
+
+/// Contacts and constraints are other numbers in each MuJoCo. Errors: UserError.
+void CheckEngines(const StudyFolder& a, const StudyFolder& b) {
+  const std::string& engine_a = a.scenario.made_with.mujoco_version;
+  const std::string& engine_b = b.scenario.made_with.mujoco_version;
+  if (engine_a.empty() || engine_b.empty() || engine_a == engine_b) return;
+  throw UserError({.place = b.name,
+                   .problem = fmt::format("was computed with MuJoCo {}, {} with {}: scores of two "
+                                          "engines are not compared",
+                                          Shown(engine_b), a.name, Shown(engine_a))});
 }
 
 // --- settings -----------------------------------------------------------------------------------
@@ -180,6 +193,7 @@ ScoreFile OfSeeds(const std::vector<int>& seeds, ScoreFile scores) {
 }
 
 StudyDifference CompareStudies(const StudyFolder& a, const StudyFolder& b) {
+  CheckEngines(a, b);
   StudyDifference result;
   result.controllers_only_in_a = NotIn(a.scores.controllers, b.scores.controllers);
   result.controllers_only_in_b = NotIn(b.scores.controllers, a.scores.controllers);
