@@ -1,10 +1,6 @@
 # Libraries of the simulation, all from packages of Debian 12 or 13.
 
-find_package(mujoco 2.2.2 EXACT REQUIRED)
-# Debian's target exports an include path that does not exist.
-get_target_property(mujoco_includes mujoco::mujoco INTERFACE_INCLUDE_DIRECTORIES)
-list(FILTER mujoco_includes EXCLUDE REGEX "libqhull_r")
-set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${mujoco_includes}")
+include(GauntletMujoco)
 
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(yaml-cpp REQUIRED)

@@ -8,6 +8,7 @@
 
 #include "controller/assert.h"
 #include "sim/base/error.h"
+#include "sim/hand/mujoco_versions.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -39,11 +40,10 @@ bool Turns(const mjModel& model, int joint, int body) {
 double MomentArm(const mjModel& model, const mjData& data, int tendon, int dof) noexcept {
   GAUNTLET_ASSERT(0 <= tendon && tendon < model.ntendon);
   GAUNTLET_ASSERT(0 <= dof && dof < model.nv);
-  if (!mj_isSparse(&model)) return data.ten_J[static_cast<std::size_t>(tendon) * model.nv + dof];
-  const int begin = data.ten_J_rowadr[tendon];
-  const int end = begin + data.ten_J_rownnz[tendon];
-  for (int index = begin; index < end; ++index) {
-    if (data.ten_J_colind[index] == dof) return data.ten_J[index];
+  const TendonRow row = RowOf(model, data, tendon);
+  if (row.dof == nullptr) return row.arm_m[dof];
+  for (int index = 0; index < row.count; ++index) {
+    if (row.dof[index] == dof) return row.arm_m[index];
   }
   return 0.0;
 }

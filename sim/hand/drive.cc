@@ -11,6 +11,7 @@
 #include "sim/base/signal.h"
 #include "sim/hand/cable_path.h"
 #include "sim/hand/firm_constraints.h"
+#include "sim/hand/mujoco_versions.h"
 #include "sim/hand/stability.h"
 
 namespace gauntlet::sim {
@@ -23,7 +24,7 @@ std::vector<std::string> NamesInModel(const mjModel& model, int type) {
     const char* name = mj_id2name(&model, type, index);
     const int count = type == mjOBJ_JOINT      ? model.njnt
                       : type == mjOBJ_TENDON   ? model.ntendon
-                      : type == mjOBJ_ACTUATOR ? model.nu
+                      : type == mjOBJ_ACTUATOR ? ActuatorCount(model)
                       : type == mjOBJ_BODY     ? model.nbody
                                                : model.ngeom;
     if (index >= count) return names;
@@ -271,7 +272,7 @@ Transmission TransmissionOf(const Drive& drive) {
 
 std::vector<MotorInModel> MotorsInModel(const mjModel& model) {
   std::vector<MotorInModel> motors;
-  for (int actuator = 0; actuator < model.nu; ++actuator) {
+  for (int actuator = 0; actuator < ActuatorCount(model); ++actuator) {
     const char* name = mj_id2name(&model, mjOBJ_ACTUATOR, actuator);
     if (name == nullptr) {
       throw UserError(fmt::format("motor {} of the model has no name", actuator + 1));

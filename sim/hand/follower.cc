@@ -8,6 +8,7 @@
 #include <string>
 
 #include "sim/base/error.h"
+#include "sim/hand/mujoco_versions.h"
 
 namespace gauntlet::sim {
 
@@ -83,7 +84,7 @@ std::vector<Follower> FindFollowers(const mjModel& model) {
   for (int index = 0; index < model.neq; ++index) {
     const int joint = model.eq_obj1id[index];
     const int leader = model.eq_obj2id[index];
-    if (model.eq_type[index] != mjEQ_JOINT || !model.eq_active[index] || leader < 0) continue;
+    if (model.eq_type[index] != mjEQ_JOINT || !IsActive(model, index) || leader < 0) continue;
     Follower follower{.qpos = model.jnt_qposadr[joint],
                       .dof = model.jnt_dofadr[joint],
                       .leader_qpos = model.jnt_qposadr[leader]};

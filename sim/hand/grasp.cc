@@ -7,6 +7,7 @@
 
 #include "sim/base/error.h"
 #include "sim/hand/drive.h"
+#include "sim/hand/mujoco_versions.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -63,7 +64,7 @@ void PlaceObject(const GraspParts& grasp, mjData& data) {
   const mjtNum in_palm[3] = {kSideFromWristM + grasp.radius_m, 0.0,
                              -(kPalmThicknessM + kGapM + grasp.radius_m)};
   mjtNum* position = data.qpos + grasp.qpos;
-  mju_rotVecMat(position, in_palm, data.xmat + 9 * grasp.palm_body);
+  MulMatVec3(position, data.xmat + 9 * grasp.palm_body, in_palm);
   mju_addTo3(position, data.xpos + 3 * grasp.palm_body);
   mjtNum* attitude = position + 3;
   attitude[0] = 1.0;
@@ -92,7 +93,7 @@ ObjectForces ForcesOnObject(const mjModel& model, const GraspParts& grasp,
     }
     forces.grip_n += force[0];
     mjtNum in_world[3];
-    mju_rotVecMatT(in_world, force, contact.frame);
+    MulMatTVec3(in_world, contact.frame, force);
     mju_addToScl3(carried, in_world, contact.geom2 == grasp.skin_geom ? 1.0 : -1.0);
   }
   forces.carried_n = mju_norm3(carried);

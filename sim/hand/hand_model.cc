@@ -16,6 +16,7 @@
 #include "sim/hand/cable_geometry.h"
 #include "sim/hand/model_files.h"
 #include "sim/hand/mujoco_messages.h"
+#include "sim/hand/mujoco_versions.h"
 #include "sim/hand/stability.h"
 
 namespace gauntlet::sim {
@@ -326,6 +327,9 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   ReadableMjcf readable;
   model_.reset(LoadModel(path, readable));
   notes_ = readable.notes;
+  if (const std::string engine = EngineNote(); !engine.empty()) {
+    notes_.insert(notes_.begin(), engine);
+  }
   model_->opt.timestep = timing.step_s();
 
   if (config.contact == Contact::kNone) {
@@ -341,7 +345,8 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
     if (config.contact == Contact::kObject) grasp_ = MakeObject(*model_, config.object);
     followers_ = FindFollowers(*model_);
   });
-  if (model_->nu > 0) CheckLists(config, static_cast<std::size_t>(model_->nu));
+  const int motors = ActuatorCount(*model_);
+  if (motors > 0) CheckLists(config, static_cast<std::size_t>(motors));
   InModelFile(path, [&] { drives_ = FindDrives(*model_, config); });
   CheckThereAreCables(config, drives_);
   InModelFile(path, [&] {
@@ -407,6 +412,13 @@ std::string HandModel::EngineVersion() { return mj_versionString(); }
 
 std::string HandModel::OtherEngine() {
   return mj_version() == mjVERSION_HEADER ? "" : mj_versionString();
+}
+
+std::string HandModel::EngineNote() {
+  if (kIsReference) return {};
+  return fmt::format(
+      "The physics engine is MuJoCo {}; results of Gauntlet's own pages are of 2.2.2.",
+      EngineVersion());
 }
 
 std::string HandModel::Hash() const {

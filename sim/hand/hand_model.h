@@ -84,6 +84,8 @@ class HandModel {
   static std::string EngineVersion();
   /// The version of the MuJoCo that this process calls, if this was not compiled for it; else empty.
   static std::string OtherEngine();
+  /// A sentence for answers if that is not the reference (mujoco_versions.h); else empty.
+  static std::string EngineNote();
 
  private:
   HandConfig config_;

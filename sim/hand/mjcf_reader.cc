@@ -17,6 +17,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/hand/mjcf_element.h"
+#include "sim/hand/mujoco_versions.h"
 #include "sim/hand/newer_mjcf.h"
 
 namespace gauntlet::sim {
@@ -211,6 +212,20 @@ bool LeaveOutMissingMeshes(MjcfElement& root, std::vector<std::string>& notes) {
   return MissingMeshes(root, notes).LeaveOut();
 }
 
+void AddUpMeshesWithSigns(MjcfElement& root) {
+  if (kIsReference) {
+    MjcfElement& compiler = root.children.emplace_back();  // the last of them counts
+    compiler.name = "compiler";
+    compiler.Set("exactmeshinertia", "true");
+    return;
+  }
+  for (MjcfElement& section : root.children) {
+    for (MjcfElement& asset : section.children) {
+      if (section.name == "asset" && asset.name == "mesh") asset.Set("inertia", "exact");
+    }
+  }
+}
+
 namespace fs = std::filesystem;
 
 /// Puts the children of included files in the place of the <include>.
@@ -246,12 +261,8 @@ ReadableMjcf ReadModelText(const fs::path& model, bool exact_meshes) {
   if (root.name == "mujoco") {
     std::set<fs::path> included = {model.lexically_normal()};
     InsertIncludes(root, model.parent_path(), included);
-    DropNewerMjcf(root, readable.notes);
-    if (exact_meshes) {
-      MjcfElement& compiler = root.children.emplace_back();  // the last of them counts
-      compiler.name = "compiler";
-      compiler.Set("exactmeshinertia", "true");
-    }
+    if (kIsReference) DropNewerMjcf(root, readable.notes);
+    if (exact_meshes) AddUpMeshesWithSigns(root);
     readable.lacks_contact_shapes = LeaveOutMissingMeshes(root, readable.notes);
   }
   // Names of other people's files become lines of a terminal and comments of a scenario.

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -24,6 +23,7 @@
 #include "sim/base/input_file.h"
 #include "sim/base/text.h"
 #include "sim/hand/mujoco_messages.h"
+#include "sim/hand/mujoco_versions.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -108,7 +108,7 @@ std::pair<double, double> VolumesOf(const mjModel& model, int mesh) {
 }
 
 /// A note for each body whose mass the engine computes too large: it counts the volume of a mesh
-/// that is not convex more than once, unless the file has exactmeshinertia.
+/// that is not convex more than once, unless the file has kExactMeshes.
 void NoteMeshMasses(const fs::path& path, const mjModel& model,
                     const std::function<Model()>& compile_exactly,
                     std::vector<std::string>& notes) {
@@ -126,10 +126,10 @@ void NoteMeshMasses(const fs::path& path, const mjModel& model,
     if (!(std::abs(model.body_mass[body] - right_kg) > kSmallShare * right_kg)) continue;
     const char* const name = mj_id2name(&model, mjOBJ_BODY, body);
     notes.push_back(fmt::format(
-        "{}: body {} has {:.1f} g: MuJoCo 2.2.2 counts some volume of a mesh that is not convex "
-        "more than once; with <compiler exactmeshinertia=\"true\"/> it has {:.1f} g",
+        "{}: body {} has {:.1f} g: MuJoCo {} counts some volume of a mesh that is not convex "
+        "more than once; with {} it has {:.1f} g",
         path.string(), name == nullptr ? fmt::format("{}", body) : "'" + Shown(name) + "'",
-        1e3 * model.body_mass[body], 1e3 * right_kg));
+        1e3 * model.body_mass[body], mj_versionString(), kExactMeshes, 1e3 * right_kg));
   }
 }
 
@@ -141,10 +141,9 @@ Model Compile(const fs::path& path, const std::string& text, std::string& messag
     delete given;
   });
   mj_defaultVFS(files.get());
-  if (mj_makeEmptyFileVFS(files.get(), path.c_str(), static_cast<int>(text.size())) != 0) {
+  if (!AddText(*files, path, text)) {
     throw UserError({.place = path.string(), .problem = "has a name that the engine cannot take"});
   }
-  std::memcpy(files->filedata[0], text.data(), text.size());
   char problem[1000] = "";
   Model model(nullptr, &mj_deleteModel);
   try {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "sim/base/error.h"
+#include "sim/hand/mujoco_versions.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -180,13 +181,57 @@ void PhysicsModel::SelectRows(std::string_view count_name, const Rows& rows) {
 
 PhysicsModel::PhysicsModel(const mjModel& whole, const std::vector<Drive>& drives,
                            bool engine_measures_cables)
-    : model_(new mjModel(whole)) {
+    : PhysicsModel(whole, drives, engine_measures_cables,
+                   kModelsCanBeCut ? Spools::kCutOut : Spools::kStandStill) {}
+
+PhysicsModel::PhysicsModel(const mjModel& whole, const std::vector<Drive>& drives,
+                           bool engine_measures_cables, Spools spools)
+    : model_(nullptr, &mj_deleteModel) {
   CheckSpools(whole, drives);
+  const bool tendons = engine_measures_cables || TendonsActByThemselves(whole);
+  spools == Spools::kCutOut ? Cut(whole, drives, tendons) : Hold(whole, drives, tendons);
+}
+
+PhysicsModel::~PhysicsModel() = default;
+
+/// Sensors, actuators and the like: nothing moves because of them.
+void PhysicsModel::LeaveOutAids(bool tendons) {
   mjModel& model = *model_;
   model.ncam = model.nlight = model.nsensor = model.nsensordata = model.nkey = 0;
-  model.nu = model.na = 0;  // the hand turns the spools itself
-  const bool tendons = engine_measures_cables || TendonsActByThemselves(whole);
-  if (!tendons) model.ntendon = model.nwrap = model.nsite = 0;
+  LeaveOutActuators(model);  // the hand turns the spools itself
+  if (!tendons) model.ntendon = model.nwrap = 0;
+}
+
+/// Makes spools part of what carries them by a damping that no torque overcomes. An inertia would,
+/// too, but later engines let the solver be the coarser, the larger the sum of inertias is.
+void PhysicsModel::Hold(const mjModel& whole, const std::vector<Drive>& drives, bool tendons) {
+  constexpr double kHeld_nm_s_rad = 1e6;
+  model_.reset(mj_copyModel(nullptr, &whole));
+  if (model_ == nullptr) throw RunError("not enough memory for the hand's model");
+  mjModel& model = *model_;
+  LeaveOutAids(tendons);
+  const auto all = [](int count) { return Keep(std::vector<bool>(count, true)); };
+  bodies_ = all(model.nbody);
+  joints_ = all(model.njnt);
+  dofs_ = all(model.nv);
+  positions_ = all(model.nq);
+  geoms_ = all(model.ngeom);
+  for (const Drive& drive : drives) {
+    const int dof = drive.spool_dof;
+    if (dof < 0) continue;
+    const int joint = model.dof_jntid[dof];
+    model.dof_damping[dof] = kHeld_nm_s_rad;
+    model.dof_frictionloss[dof] = model.jnt_stiffness[joint] = 0.0;
+    model.jnt_limited[joint] = 0;
+    dofs_.index_of[dof] = positions_.index_of[model.jnt_qposadr[joint]] = -1;
+  }
+}
+
+void PhysicsModel::Cut(const mjModel& whole, const std::vector<Drive>& drives, bool tendons) {
+  model_ = {new mjModel(whole), [](mjModel* model) { delete model; }};
+  mjModel& model = *model_;
+  LeaveOutAids(tendons);
+  if (!tendons) model.nsite = 0;
   const std::vector<bool> acting =
       tendons ? std::vector<bool>(whole.ngeom, true) : ActingGeoms(whole);
 
@@ -234,8 +279,6 @@ PhysicsModel::PhysicsModel(const mjModel& whole, const std::vector<Drive>& drive
   NumberParts(whole);
   NumberConstraints(whole);
 }
-
-PhysicsModel::~PhysicsModel() = default;
 
 /// Bodies, joints and degrees of freedom name each other by number.
 void PhysicsModel::NumberParts(const mjModel& whole) {
@@ -321,7 +364,9 @@ void PhysicsModel::NumberSignature(int& signature) const {
 }
 
 void PhysicsModel::CopyPositions(const double* whole_qpos, double* qpos) const {
-  for (std::size_t i = 0; i < positions_.kept.size(); ++i) qpos[i] = whole_qpos[positions_.kept[i]];
+  for (std::size_t i = 0; i < positions_.index_of.size(); ++i) {
+    if (positions_.index_of[i] >= 0) qpos[positions_.index_of[i]] = whole_qpos[i];
+  }
 }
 
 }  // namespace gauntlet::sim

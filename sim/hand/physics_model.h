@@ -20,8 +20,14 @@ namespace gauntlet::sim {
 /// Errors: UserError for a model in which something else holds on to a spool.
 class PhysicsModel {
  public:
+  /// Spools are cut out, or stand still in a copy of the whole model: the only way with an engine
+  /// whose models cannot be cut (mujoco_versions.h).
+  enum class Spools { kCutOut, kStandStill };
+
   PhysicsModel(const mjModel_& whole, const std::vector<Drive>& drives,
                bool engine_measures_cables);
+  PhysicsModel(const mjModel_& whole, const std::vector<Drive>& drives, bool engine_measures_cables,
+               Spools spools);
   ~PhysicsModel();
 
   const mjModel_& model() const { return *model_; }
@@ -42,6 +48,9 @@ class PhysicsModel {
   };
   static Rows Keep(const std::vector<bool>& kept);
 
+  void Cut(const mjModel_& whole, const std::vector<Drive>& drives, bool tendons);
+  void Hold(const mjModel_& whole, const std::vector<Drive>& drives, bool tendons);
+  void LeaveOutAids(bool tendons);
   template <class Value>
   void Select(Value*& rows, int columns, const std::vector<int>& kept);
   void SelectRows(std::string_view count_name, const Rows& rows);
@@ -50,7 +59,7 @@ class PhysicsModel {
   void NumberConstraints(const mjModel_& whole);
   void NumberSignature(int& signature) const;
 
-  std::unique_ptr<mjModel_> model_;
+  std::unique_ptr<mjModel_, void (*)(mjModel_*)> model_;
   std::vector<std::unique_ptr<std::byte[]>> arrays_;  // those that differ from the whole model's
   Rows bodies_, joints_, dofs_, positions_, geoms_;
 };

@@ -204,5 +204,36 @@ TEST(PhysicsModel, AcceleratesAsTheWholeModelDoes) {
   }
 }
 
+TEST(PhysicsModel, MovesTheSameWithSpoolsThatStandStill) {
+  const auto hand = MakeModel();
+  const mjModel& whole = hand->model();
+  const PhysicsModel held(whole, hand->drives(), false, PhysicsModel::Spools::kStandStill);
+  ASSERT_EQ(held.model().nv, whole.nv);
+  const Data of_held = DataOf(held.model());
+  const Data of_hand = DataOf(hand->physics().model());
+  RandomStream random(5, "forces");
+  std::vector<double> force_nm(whole.nv);
+  for (double& force : force_nm) force = random.Uniform(-0.1, 0.1);
+  for (int dof = 0; dof < whole.nv; ++dof) {
+    ASSERT_EQ(held.DofOf(dof) < 0, hand->physics().DofOf(dof) < 0);
+    of_held->qfrc_applied[dof] = force_nm[dof];
+    if (held.DofOf(dof) < 0) continue;
+    ASSERT_EQ(held.DofOf(dof), dof);
+    of_hand->qfrc_applied[hand->physics().DofOf(dof)] = force_nm[dof];
+  }
+  for (int step = 0; step < 100; ++step) {
+    mj_step(&held.model(), of_held.get());
+    mj_step(&hand->physics().model(), of_hand.get());
+  }
+  double fastest = 0.0;
+  for (int dof = 0; dof < whole.nv; ++dof) {
+    const int here = hand->physics().DofOf(dof);
+    const double expected = here < 0 ? 0.0 : of_hand->qvel[here];
+    EXPECT_NEAR(of_held->qvel[dof], expected, 1e-5) << dof;
+    fastest = std::max(fastest, std::abs(expected));
+  }
+  EXPECT_GT(fastest, 1.0);
+}
+
 }  // namespace
 }  // namespace gauntlet::sim::testing

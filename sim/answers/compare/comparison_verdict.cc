@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "sim/answers/compare/choice.h"
+#include "sim/hand/hand_model.h"
 #include "sim/results/table_text.h"
 #include "sim/score/statistics/result_cells.h"
 
@@ -348,6 +349,7 @@ void AddWarnings(const Summary& summary, const Choice& choice,
 
 Verdict VerdictOf(const Summary& summary, const Choice& choice) {
   Verdict verdict;
+  verdict.AddWarning("engine", HandModel::EngineNote());
   for (const std::string& assumed : summary.assumed) verdict.AddWarning("assumed", assumed);
   const std::optional<std::size_t> recommended = choice.recommended();
   if (choice.all().empty()) {
