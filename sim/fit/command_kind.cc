@@ -66,6 +66,14 @@ double StepOf(const VectorXd& values) {
   return step;
 }
 
+/// Range of the values but for one in 200, half of them at each end.
+double UsualRange(std::vector<double>& values) {
+  constexpr std::size_t kOneIn = 200;
+  std::ranges::sort(values);
+  const std::size_t off = values.size() / kOneIn / 2;
+  return values[values.size() - 1 - off] - values[off];
+}
+
 /// The next lag to try: the step grows with the lag, a tenth of it changes little.
 Index Later(Index rows) { return rows + std::max<Index>(1, rows / 10); }
 
@@ -151,19 +159,21 @@ class CopyFinder {
     if (is_own) gain = std::copysign(1.0, gain);
     const double step_a = step_a_ / std::abs(gain);  // in units of the command
     const double exact = kExact * spread + (step_a < kDigits * spread ? 0.5 * step_a : 0.0);
-    std::vector<double> errors;
+    std::vector<double> errors, all_errors;
     double largest = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) {
       errors.push_back((y[i] - mean_a) / gain - (x[i] - mean_c));
       largest = std::max(largest, std::abs(x[i]));
     }
-    std::ranges::sort(errors);
-    constexpr std::size_t kOneIn = 200;  // rows that may be off, half of them at each end
-    const std::size_t off = errors.size() / kOneIn / 2;
-    const double range = errors[errors.size() - 1 - off] - errors[off];
+    // Between two levels only, the rows that move fit anything: the others must fit, too.
+    for (Index n = std::max<Index>(0, -rows); n < c_.size() && n + rows < a_.size(); ++n) {
+      all_errors.push_back((a_[n + rows] - mean_a) / gain - (c_[n] - mean_c));
+    }
+    const double range = UsualRange(errors);
     const double margin = is_own ? 1.03 : 1.15;
     const double half = has_halves_ ? largest / 1024.0 : 0.0;  // the last digit
-    if (range > margin * (2.0 * exact + step_c_ + half)) return false;
+    const double most = margin * (2.0 * exact + step_c_ + half);
+    if (range > most || UsualRange(all_errors) > most) return false;
     return step_c_ < kDigits * spread || range < 2.0 * exact || FillsSteps(rows, gain, range);
   }
 

@@ -99,6 +99,25 @@ TEST(CommandKind, OfCoarseOrRestingTargetsIsATarget) {
   EXPECT_EQ(FindCommandKind(command, angle, 50.0), CommandKind::kTarget);
 }
 
+/// Of two levels, the rows that move fit a copy of the opposite angle, or of a later row. Wrong: to
+/// judge these rows alone.
+TEST(CommandKind, OfStepsBetweenTwoLevelsIsATarget) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> rest_s(0.5, 1.2);
+  for (const double rate_hz : {20.0, 50.0, 100.0}) {
+    for (const double size : {10.0, 40.0, 100.0}) {
+      Values target;
+      for (double to = 0.0; target.size() < 30.0 * kFine_hz; to = size - to) {
+        target.insert(target.end(), static_cast<std::size_t>(rest_s(random) * kFine_hz), to);
+      }
+      const Values angle = Measured(
+          Thinned(SpeedLimited(target, 0.06, 300.0, 0.015), rate_hz), 0.1, 0.0, random);
+      EXPECT_EQ(FindCommandKind(Thinned(target, rate_hz), angle, rate_hz), CommandKind::kTarget)
+          << rate_hz << " Hz, " << size << " deg";
+    }
+  }
+}
+
 TEST(CommandKind, OfHalfFloatsIsACopy) {
   std::mt19937 random(6);
   const Values angle =

@@ -48,6 +48,20 @@ inline Values ServoAnswer(const Values& target, double delay_s, std::mt19937& ra
   return answer;
 }
 
+/// A servo with a speed limit: dead time, and a lag of first order below the limit.
+inline Values SpeedLimited(const Values& target, double dead_s, double limit_deg_s, double lag_s) {
+  const auto dead = static_cast<std::size_t>(dead_s * kFine_hz);
+  const double most = limit_deg_s / kFine_hz;
+  double angle = target.front();
+  Values answer;
+  for (std::size_t n = 0; n < target.size(); ++n) {
+    const double wanted = target[n < dead ? 0 : n - dead] - angle;
+    angle += std::clamp(wanted / (lag_s * kFine_hz), -most, most);
+    answer.push_back(angle);
+  }
+  return answer;
+}
+
 inline Values Thinned(const Values& fine, double rate_hz) {
   Values rows;
   for (double at = 0.0; at < static_cast<double>(fine.size()); at += kFine_hz / rate_hz) {
