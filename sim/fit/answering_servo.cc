@@ -39,14 +39,16 @@ double MedianHysteresis(const std::vector<ChainFit>& fits) {
 struct Miss {
   double dead_time_ms = 0.0;                       // median of log minus answer
   double lag_ratio = 1.0;                          // median of log over answer
+  double speed_ratio = 1.0;                        // the same of the speed limits
   std::map<std::string, double> hysteresis_ratio;  // log over answer, by part
 
-  /// Largest relative difference of the three quantities; for hysteresis, the mean over the parts.
+  /// Largest relative difference of the quantities; for hysteresis, the mean over the parts.
   double Share(double delay_ms) const {
     double hysteresis = 0.0;
     for (const auto& [part, ratio] : hysteresis_ratio) hysteresis += std::abs(std::log(ratio));
     hysteresis /= std::max(static_cast<double>(hysteresis_ratio.size()), 1.0);
-    return std::max({std::abs(dead_time_ms) / delay_ms, std::abs(std::log(lag_ratio)), hysteresis});
+    return std::max({std::abs(dead_time_ms) / delay_ms, std::abs(std::log(lag_ratio)),
+                     std::abs(std::log(speed_ratio)), hysteresis});
   }
 };
 
@@ -56,7 +58,7 @@ std::optional<Miss> MissOf(const ChainLog& log, const std::vector<ChainFit>& fit
   constexpr double kNoLag_ms = 1.0;
   constexpr double kNoHysteresis_deg = 0.1;  // smallest hysteresis in a ratio
   std::vector<double> dead_time_ms;
-  std::vector<double> lag_ratio;
+  std::vector<double> lag_ratio, speed_ratio;
   const double usual_deg = MedianHysteresis(fits);
   Miss miss;
   for (std::size_t i = 0; i < answer_fits.size(); ++i) {
@@ -66,6 +68,8 @@ std::optional<Miss> MissOf(const ChainLog& log, const std::vector<ChainFit>& fit
     if (!IsKnown(wanted) || !IsKnown(given)) continue;
     dead_time_ms.push_back(wanted.dead_time_ms.value - given.dead_time_ms.value);
     lag_ratio.push_back((wanted.lag_ms.value + kNoLag_ms) / (given.lag_ms.value + kNoLag_ms));
+    const double of_speeds = wanted.speed_limit_deg_s.value / given.speed_limit_deg_s.value;
+    if (std::isfinite(of_speeds)) speed_ratio.push_back(of_speeds);
     if (!TellsHysteresis(wanted, usual_deg)) continue;
     miss.hysteresis_ratio[answer.parts[i]] =
         std::max(wanted.hysteresis_deg.value, kNoHysteresis_deg) /
@@ -74,6 +78,7 @@ std::optional<Miss> MissOf(const ChainLog& log, const std::vector<ChainFit>& fit
   if (lag_ratio.empty()) return std::nullopt;
   miss.dead_time_ms = controller::MedianOf(dead_time_ms);
   miss.lag_ratio = controller::MedianOf(lag_ratio);
+  if (!speed_ratio.empty()) miss.speed_ratio = controller::MedianOf(speed_ratio);
   return miss;
 }
 
@@ -82,6 +87,7 @@ std::optional<Miss> MissOf(const ChainLog& log, const std::vector<ChainFit>& fit
 AnsweringServo Corrected(AnsweringServo servo, const Miss& miss, const std::vector<Drive>& drives) {
   servo.dead_time_ms = std::max(0.0, servo.dead_time_ms + miss.dead_time_ms);
   servo.damping_ms *= std::clamp(miss.lag_ratio, 0.5, 2.0);
+  servo.no_load_speed_deg_s *= std::clamp(miss.speed_ratio, 0.5, 2.0);
   std::vector<double> known;
   for (std::size_t motor = 0; motor < drives.size(); ++motor) {
     const auto ratio = miss.hysteresis_ratio.find(drives[motor].name);
@@ -108,6 +114,9 @@ HandConfig AnsweringServo::PutInto(const HandConfig& usual) const {
   numbers.damping_ms = std::clamp(damping_ms, 0.0, 100.0);
   numbers.inertia_scale = inertia_scale;
   numbers.full_torque_error_deg = std::clamp(full_torque_error_deg, 0.5, 90.0);
+  if (no_load_speed_deg_s > 0.0) {
+    numbers.no_load_speed_deg_s = std::clamp(no_load_speed_deg_s, 1.0, 1e4);
+  }
   numbers.friction_scale = std::clamp(friction_scale, 0.0, 100.0);
   config.cable.capstan_friction = std::clamp(capstan_friction, 0.0, 0.5);
   config.motor_friction_scale = motor_friction_scale;

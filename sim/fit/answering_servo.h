@@ -15,6 +15,7 @@ struct AnsweringServo {
   double damping_ms = 0.0;
   double inertia_scale = 1.0;
   double full_torque_error_deg = 1.5;
+  double no_load_speed_deg_s = 0.0;                  // 0: no limit
   double friction_scale = 0.0;                       // friction of spools
   double capstan_friction = 0.0;                     // friction of cables
   std::vector<double> motor_friction_scale = {1.0};  // on both; one for all motors or one each
@@ -31,7 +32,8 @@ struct ServoTrial {
 };
 
 /// Finds the servo with which the fits of the simulated answer equal the fits of the log: dead time
-/// and lag in the median over the parts, hysteresis for each part. Makes up to eight trials,
+/// and lag in the median over the parts, also the speed limit where parts have one, and hysteresis
+/// for each part. Makes up to eight trials,
 /// beginning with `first`. Each trial corrects the differences of the last one; the best trial is
 /// returned.
 ///

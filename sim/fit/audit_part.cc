@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/quantile.h"
@@ -191,13 +192,22 @@ void PartAudit::FinishPending() {
 
 void PartAudit::JudgeKind(const PartInRows& rows) {
   if (rows.raw.command.size() < kFewestRows) return;
+  double first_s = 0.0;
   for (const FollowRows& piece : Pieces(rows.raw, rows.rate_hz, 0.0)) {
+    const auto count = static_cast<std::size_t>(piece.command.size());
+    const double from_s =
+        std::exchange(first_s, first_s + static_cast<double>(count) / rows.rate_hz);
     const double travel = RangeOf(piece.command);
     if (!(travel > 0.0) || !(RangeOf(piece.angle) > 0.0)) continue;
-    const auto count = static_cast<std::size_t>(piece.command.size());
-    judged_.push_back(
-        {FindCommandKind({piece.command.data(), count}, {piece.angle.data(), count}, rows.rate_hz),
-         rows.episode, travel});
+    const std::span<const double> command(piece.command.data(), count);
+    const std::span<const double> angle(piece.angle.data(), count);
+    judged_.push_back({.kind = FindCommandKind(command, angle, rows.rate_hz),
+                       .episode = rows.episode,
+                       .travel = travel,
+                       .copied = FindCopiedRows(command, angle),
+                       .first_s = from_s,
+                       .row_s = 1.0 / rows.rate_hz,
+                       .rows = count});
   }
 }
 
@@ -315,6 +325,37 @@ bool PartAudit::Moves(const Stretch& stretch) const {
   return stretch.travel > 0.0 && stretch.travel >= kMovingShare * longest_travel_;
 }
 
+/// " in 48 % of the moving rows, from 12.3 s on", if so many are copies within stretches; else empty.
+std::string PartAudit::MixedRows(std::size_t episodes, double least_share) const {
+  constexpr double kMostly = 0.8;
+  constexpr double kAtEnd_s = 1.0;
+  double moving = 0.0, copied = 0.0, between = 0.0, first_s = HUGE_VAL, last_s = 0.0, end_s = 0.0;
+  bool any = false;
+  std::set<double> where;
+  for (const Judged& one : judged_) {
+    const CopiedRows& rows = one.copied;
+    end_s = one.first_s + static_cast<double>(one.rows) * one.row_s;
+    moving += static_cast<double>(rows.moving);
+    if (rows.copied == 0) continue;
+    any |= one.kind == CommandKind::kMixed;
+    copied += static_cast<double>(rows.copied);
+    between += static_cast<double>(rows.between);
+    where.insert(one.episode);
+    first_s = std::min(first_s, one.first_s + static_cast<double>(rows.first) * one.row_s);
+    last_s = std::max(last_s, one.first_s + static_cast<double>(rows.last) * one.row_s);
+  }
+  if (!any || !(copied >= least_share * moving)) return "";
+  std::string place = EpisodesText(where, episodes);
+  if (episodes == 1) {
+    const bool is_all = copied >= kMostly * between;
+    place = is_all && last_s > end_s - kAtEnd_s
+                ? fmt::format(", from {:.1f} s on", first_s)
+                : fmt::format(", {} {:.1f} {} {:.1f} s", is_all ? "from" : "between", first_s,
+                              is_all ? "to" : "and", last_s);
+  }
+  return fmt::format(" in {:.2g} % of the moving rows{}", 100.0 * copied / moving, place);
+}
+
 /// The kind of the commands. True for a target.
 bool PartAudit::NameKind(const std::vector<double>& episodes, AuditedPart& part) const {
   constexpr double kMostly = 0.8;
@@ -364,7 +405,8 @@ bool PartAudit::NameKind(const std::vector<double>& episodes, AuditedPart& part)
     std::pair<CommandKind, double> all{CommandKind::kTarget, 0.0};
     double most = 0.0;
     for (const auto& [kind, count] : counts) {
-      if (kind == CommandKind::kTarget || (kind < CommandKind::kSteps) != is_copy) continue;
+      if (kind == CommandKind::kTarget || kind == CommandKind::kMixed) continue;
+      if ((kind < CommandKind::kSteps) != is_copy) continue;
       all.second += count / judged;
       if (count <= most) continue;
       most = count;
@@ -376,6 +418,9 @@ bool PartAudit::NameKind(const std::vector<double>& episodes, AuditedPart& part)
   const auto [sum, sums] = group(false);
   if (copies >= kMostly) return is(NameOf(copy), ProblemOf(copy, rate_hz));
   if (sums >= kHalf) return is(NameOf(sum), ProblemOf(sum, rate_hz));
+  if (const std::string rows = MixedRows(episodes.size(), kSome); !rows.empty()) {
+    return is("mixed", "its commands are copies of its angles" + rows);
+  }
   if (copies > kSome && counts[copy] > 1.0) {
     return is("mixed", fmt::format("its commands are copies of its angles{}",
                                    EpisodesText(by_kind[copy], episodes.size())));
@@ -448,6 +493,9 @@ void PartAudit::FindOddStretches(std::size_t episodes, AuditedPart& part) const 
     odd["has copies of its angle as commands"].Add({one.episode}, 0.0, 0.0);
   }
   constexpr double kOdd = 2.8;
+  if (const std::string rows = episodes == 1 ? MixedRows(1, 0.0) : ""; !rows.empty()) {
+    part.faults.push_back({"odd", "has copies of its angle as commands" + rows, kOdd});
+  }
   for (const auto& [how, places] : odd) {
     const bool may_touch = how.starts_with("does not") && MayTouch(places.episodes);
     part.faults.push_back({"odd", how + PlacesText(places, episodes), may_touch ? kLook : kOdd});

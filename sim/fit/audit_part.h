@@ -53,6 +53,10 @@ class PartAudit {
     CommandKind kind = CommandKind::kTarget;
     double episode = 0.0;
     double travel = 0.0;
+    CopiedRows copied = {};
+    double first_s = 0.0;  // of the piece, in its episode
+    double row_s = 0.0;
+    std::size_t rows = 0;
   };
   struct Freeze {
     double episode = 0.0;
@@ -67,6 +71,7 @@ class PartAudit {
   void JudgeKind(const PartInRows& rows);
   bool Moves(const Stretch& stretch) const;
   void FinishPending();
+  std::string MixedRows(std::size_t episodes, double least_share) const;
   bool NameKind(const std::vector<double>& episodes, AuditedPart& part) const;
   void FindOddStretches(std::size_t episodes, AuditedPart& part) const;
   bool MayTouch(const std::set<double>& episodes) const;

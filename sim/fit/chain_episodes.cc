@@ -90,6 +90,35 @@ std::vector<double> ValuesOf(const std::vector<PartInEpisode>& episodes, const a
   return values;
 }
 
+/// Adds the speed limit to the mean chain, if more than chance and a single episode have one. The
+/// others may move too little to reach it.
+void AddLimit(const std::vector<PartInEpisode>& episodes, ChainFit& combined) {
+  constexpr double kLeastShare = 0.25;
+  const std::vector<double> limits =
+      ValuesOf(episodes, [](const ChainFit& fit) { return fit.speed_limit_deg_s.value; });
+  if (!(static_cast<double>(limits.size()) > kLeastShare * static_cast<double>(episodes.size()))) {
+    return;
+  }
+  combined.speed_limit_deg_s = MeanOfEpisodes(limits);
+  combined.model.speed_limit_deg_s = combined.speed_limit_deg_s.value;
+  combined.model.limit_in_lag =
+      2 * std::ranges::count_if(episodes,
+                                [](const PartInEpisode& episode) {
+                                  return std::isfinite(episode.fit.speed_limit_deg_s.value) &&
+                                         episode.fit.model.limit_in_lag;
+                                }) >
+      std::ssize(limits);
+  combined.model_text =
+      fmt::format("play, 2nd order, speed limit: mean of {} episodes", episodes.size());
+  const std::vector<double> unlimited_ms =
+      ValuesOf(episodes, [](const ChainFit& fit) { return fit.unlimited_delay_ms; });
+  if (!unlimited_ms.empty()) combined.unlimited_delay_ms = controller::MedianOf(unlimited_ms);
+  WithholdLimited(
+      RangeText(ValuesOf(episodes, [](const ChainFit& fit) { return fit.delay_ms.value; }), 0) +
+          " ms",
+      combined);
+}
+
 /// The mean chain of the episodes.
 ChainFit Combined(const std::vector<PartInEpisode>& episodes, double travel_deg, double rate_hz) {
   ChainFit combined;
@@ -106,6 +135,11 @@ ChainFit Combined(const std::vector<PartInEpisode>& episodes, double travel_deg,
                            &ChainFit::offset_deg, &ChainFit::hysteresis_deg}) {
     mean(value);
   }
+  if (episodes.size() > 1) {
+    combined.open_ms =
+        controller::MedianOf(ValuesOf(episodes, [](const ChainFit& fit) { return fit.open_ms; }));
+    WidenDeadTime(combined);
+  }
   if (!std::isfinite(combined.dead_time_ms.value)) {
     combined.split_problem = "no episode tells dead time, lag and hysteresis apart";
     return combined;
@@ -118,6 +152,7 @@ ChainFit Combined(const std::vector<PartInEpisode>& episodes, double travel_deg,
                     .play_deg = 0.5 * combined.hysteresis_deg.value,
                     .offset_deg = combined.offset_deg.value};
   combined.model_text = fmt::format("play, 2nd order: mean of {} episodes", episodes.size());
+  AddLimit(episodes, combined);
   WithholdUnknown(
       {.travel_deg = travel_deg * combined.gain.value,
        .rate_hz = rate_hz,

@@ -168,12 +168,6 @@ void EstimateSplit(const std::vector<FittedFamily>& fits, ChainFit& fit) {
   if (selected.family.friction_in_lag) AllowForStribeck(fit);
 }
 
-/// Widens the interval by the uncertainty of the times at which the frames were sent.
-void WidenDeadTime(double open_ms, ChainEstimate& dead_time_ms) {
-  dead_time_ms.low = std::max(dead_time_ms.low - open_ms, 0.0);
-  dead_time_ms.high += open_ms;
-}
-
 std::string TextOf(const ChainEstimate& estimate, const char* unit) {
   return fmt::format("{:.0f} {} ({:.0f}..{:.0f})", estimate.value, unit, estimate.low,
                      estimate.high);
@@ -215,11 +209,19 @@ void WithholdUnknown(const PartRows& rows, const std::vector<FittedFamily>& fits
                   fit);
 }
 
-/// A speed limit makes the delay depend on the size of the motion. The delay is withheld if the
-/// model without the limit has another one.
-void CheckDelay(const PartRows& rows, const FittedFamily& selected, ChainFit& fit) {
+/// What no length of log tells of the dead time: when the frames were sent, and the step in which a
+/// limited speed is simulated.
+double OpenOfDeadTime_ms(const PartRows& rows, const FittedFamily& selected) {
+  double open_ms = rows.frames ? 1e3 * rows.frames->open_rows / rows.rate_hz : 0.0;
+  if (selected.family.Has(kSlowness)) {
+    open_ms += 500.0 / RefineCommand(rows.command_deg, rows.rate_hz, rows.frames).rate_hz;
+  }
+  return open_ms;
+}
+
+/// The delay of the model without its speed limit, if that is another one.
+void FindUnlimitedDelay(const PartRows& rows, const FittedFamily& selected, ChainFit& fit) {
   if (!selected.family.Has(kSlowness)) return;
-  fit.remarks.push_back(fmt::format("limited to {:.3g} {{unit}}/s", fit.speed_limit_deg_s.value));
   PartRows free = rows;
   ChainProblem problem(rows.command_deg, rows.angle_deg, rows.rate_hz, selected.family, rows.frames,
                        0.0);
@@ -233,11 +235,7 @@ void CheckDelay(const PartRows& rows, const FittedFamily& selected, ChainFit& fi
   constexpr double kSame = 0.05;
   const double delay_ms = without ? 1e3 * without->solution.parameters[kDeadTime] : 0.0;
   if (std::abs(delay_ms - fit.delay_ms.value) <= kSame * fit.delay_ms.value) return;
-  fit.remarks.push_back(fmt::format(
-      "the delay depends on the size of the motion: {:.0f} ms in this log, {:.0f} ms below the "
-      "speed limit",
-      fit.delay_ms.value, delay_ms));
-  fit.delay_ms = {};
+  fit.unlimited_delay_ms = delay_ms;
 }
 
 /// Standard deviation of white noise and encoder quantisation, from third differences. Motion
@@ -278,6 +276,18 @@ double BeginningBehindPlay(std::span<const double> command_deg, double rate_hz,
   return static_cast<double>(row) / rate_hz + kBeginning_s;
 }
 
+/// True if the command is nearly always at one of two positions.
+bool HasTwoPositions(std::span<const double> command_deg) {
+  constexpr double kNear = 0.02;  // of the travel
+  constexpr double kNearlyAlways = 0.95;
+  const auto [least, most] = std::ranges::minmax(command_deg);
+  const double near_deg = kNear * (most - least);
+  const auto there = std::ranges::count_if(command_deg, [&](double value) {
+    return value - least <= near_deg || most - value <= near_deg;
+  });
+  return static_cast<double>(there) >= kNearlyAlways * static_cast<double>(command_deg.size());
+}
+
 /// True if the interval of the hysteresis is narrower than half of the angle's travel.
 bool KnowsHysteresis(const FittedFamily& basic) {
   const ChainEstimate width_deg =
@@ -292,7 +302,7 @@ std::optional<FittedFamily> FitBasic(const FittedFamily& shifted, PartRows& rows
   std::vector<VectorXd> starts;
   for (const double share : {0.25, 0.5, 0.75}) starts.push_back(StartOfSplit(shifted, share));
   std::optional<FittedFamily> basic = FitFamily(rows, BasicFamily(), starts);
-  if (!basic || !KnowsHysteresis(*basic)) {
+  if (!basic || HasTwoPositions(rows.command_deg) || !KnowsHysteresis(*basic)) {
     // A command between two positions: the log does not separate gain and hysteresis.
     const ChainFamily family = ShiftFamily().With(kLag).With(kInertia);
     for (VectorXd& start : starts) {
@@ -493,11 +503,29 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
   const Eigen::Map<const VectorXd> angle(angle_deg.data(), std::ssize(angle_deg));
   fit.left_share =
       std::min(fit.residual_rms_deg, fit.shifted_rms_deg) / Rms(angle.array() - angle.mean());
-  if (fit.frames) WidenDeadTime(1e3 * fit.frames->open_rows / rate_hz, fit.dead_time_ms);
+  fit.open_ms = OpenOfDeadTime_ms(rows, fits.front());
+  WidenDeadTime(fit);
+  FindUnlimitedDelay(rows, fits.front(), fit);
   if (detail == ChainDetail::kBasic) return fit;
-  CheckDelay(rows, fits.front(), fit);
+  WithholdLimited(fmt::format("{:.0f} ms", fit.delay_ms.value), fit);
   WithholdUnknown(rows, fits, fit);
   return fit;
+}
+
+void WidenDeadTime(ChainFit& fit) {
+  fit.dead_time_ms.low = std::max(fit.dead_time_ms.low - fit.open_ms, 0.0);
+  fit.dead_time_ms.high += fit.open_ms;
+}
+
+void WithholdLimited(const std::string& in_log, ChainFit& fit) {
+  if (std::isnan(fit.speed_limit_deg_s.value)) return;
+  fit.remarks.push_back(fmt::format("limited to {:.3g} {{unit}}/s", fit.speed_limit_deg_s.value));
+  if (std::isnan(fit.unlimited_delay_ms)) return;
+  fit.remarks.push_back(
+      fmt::format("the delay depends on the size of the motion: {} in this log, {:.0f} ms below "
+                  "the speed limit",
+                  in_log, fit.unlimited_delay_ms));
+  fit.delay_ms = {};
 }
 
 void WithholdUnknown(const KnownOfLog& known, ChainFit& fit) {

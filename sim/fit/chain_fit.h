@@ -27,13 +27,16 @@ struct ChainFit {
   /// The reason why the following values are missing; empty if they are known.
   std::string split_problem;
   ChainEstimate dead_time_ms;
+  double open_ms = 0.0;  // of half the interval of the dead time: the same in all logs of a kind
   ChainEstimate lag_ms;
   ChainEstimate natural_frequency_hz;  // NaN if a first-order lag explains as much
   ChainEstimate damping_ratio;         // the same
   ChainEstimate gain;
   ChainEstimate offset_deg;         // of the angle at command 0
   ChainEstimate speed_limit_deg_s;  // NaN if none is seen
-  ChainEstimate hysteresis_deg;     // whole width of the loop
+  /// Delay of motions below the limit, if the limit makes that of this log another one; else NaN.
+  double unlimited_delay_ms = kNaN;
+  ChainEstimate hysteresis_deg;  // whole width of the loop
   /// Its two parts, if the log distinguishes them, by the angle's curve or the motor's angle; else
   /// NaN.
   ChainEstimate motor_hysteresis_deg;  // in the motor, before the lag
@@ -49,8 +52,8 @@ struct ChainFit {
   double left_share = 0.0;         // smaller of both RMS, over that of the angle about its mean
 };
 
-/// kDelay: the delay alone. kBasic: lost motion is the only addition to the basic chain, and no
-/// value is withheld.
+/// kDelay: the delay alone. kBasic: lost motion and, where the command is faster than the angle, a
+/// speed limit are the only additions to the basic chain, and no value is withheld.
 enum class ChainDetail { kDelay, kBasic, kAll };
 
 /// Length of the shortest log that can be fitted.
@@ -95,6 +98,13 @@ struct KnownOfLog {
   bool has_play;           // the model contains hysteresis
   bool has_frames;         // the times of the command's steps are known
 };
+
+/// Widens the interval of the dead time by its open_ms.
+void WidenDeadTime(ChainFit& fit);
+
+/// Withholds the delay if a speed limit makes it depend on the size of the motion. `in_log`: the
+/// delays of this log, "130 ms".
+void WithholdLimited(const std::string& in_log, ChainFit& fit);
 
 /// Withholds values whose interval is as wide as their range (NaN), with remarks.
 void WithholdUnknown(const KnownOfLog& known, ChainFit& fit);

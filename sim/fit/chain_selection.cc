@@ -107,6 +107,14 @@ Candidate LimitCandidate(const PartRows& rows, const FittedFamily& fit, bool in_
   return candidate;
 }
 
+/// True if the command moves faster than the angle ever does: a speed limit may be the reason.
+bool CommandIsFaster(const PartRows& rows, const FittedFamily& fit) {
+  constexpr double kFaster = 1.5;
+  const double wanted_deg_s =
+      std::abs(ValueOf(fit, kGain)) * SpeedOf(rows.command_deg, rows.rate_hz, 1.0);
+  return wanted_deg_s > kFaster * SpeedOf(rows.angle_deg, rows.rate_hz, 0.98);
+}
+
 /// A third pole or a zero. The delay of slow motions stays the same.
 Candidate ExtraLagCandidate(const FittedFamily& fit) {
   Candidate candidate{fit.family.With(kExtraLag), {}};
@@ -122,13 +130,18 @@ Candidate ExtraLagCandidate(const FittedFamily& fit) {
 
 std::vector<Candidate> CandidatesOf(const PartRows& rows, const FittedFamily& fit,
                                     ChainDetail detail) {
-  if (detail == ChainDetail::kBasic) {
-    if (!fit.family.Has(kPlay) || fit.family.Has(kLostPlay)) return {};
-    return {LostCandidate(fit)};
-  }
   constexpr double kLeastRate_hz = 100.0;  // friction in the lag is simulated explicitly
   std::vector<Candidate> candidates;
   const bool rubs = fit.family.Has(kPlay);
+  if (detail == ChainDetail::kBasic) {
+    if (!fit.family.Has(kSlowness) && CommandIsFaster(rows, fit)) {
+      for (const bool in_lag : {false, true}) {
+        candidates.push_back(LimitCandidate(rows, fit, in_lag));
+      }
+    }
+    if (rubs && !fit.family.Has(kLostPlay)) candidates.push_back(LostCandidate(fit));
+    return candidates;
+  }
   if (rubs && !fit.family.Has(kStretch)) {
     candidates.push_back(StretchCandidate(fit, false));
     const FineCommand fine = RefineCommand(rows.command_deg, rows.rate_hz, rows.frames);

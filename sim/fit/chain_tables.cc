@@ -46,11 +46,19 @@ std::string InUnitOf(const ChainLog& log, std::string text) {
   return text;
 }
 
+bool HasSpeedLimit(const std::vector<ChainFit>& fits) {
+  return std::ranges::any_of(
+      fits, [](const ChainFit& fit) { return std::isfinite(fit.speed_limit_deg_s.value); });
+}
+
 /// The table that answers: no model, no remarks.
 ResultTable DelayTable(const ChainLog& log, const std::vector<ChainFit>& fits,
                        const IdentifiedChain& chain) {
   const std::string unit = InUnitOf(log, "deg");
+  const bool is_limited = HasSpeedLimit(fits);
   ResultTable table{.columns = {ForPeople("part"), ForPeople("delay (95 % CI)", "ms"),
+                                ForPeople(is_limited ? "dead time (95 % CI)" : "", "ms"),
+                                ForPeople(is_limited ? "speed limit" : "", unit + "/s"),
                                 ForPeople("horizon", "ms"), ForPeople("offset", unit),
                                 ForPeople("hysteresis", unit),
                                 ForPeople("residual", unit + " RMS")}};
@@ -61,6 +69,7 @@ ResultTable DelayTable(const ChainLog& log, const std::vector<ChainFit>& fits,
     const ChainFit& fit = fits[i];
     const bool is_known = fit.problem.empty() && fit.split_problem.empty();
     table.rows.push_back({ResultCell::Text(log.parts[i]), IntervalCell(fit.delay_ms, 1),
+                          IntervalCell(fit.dead_time_ms, 1), fixed(fit.speed_limit_deg_s.value, 0),
                           fixed(chain.horizon_ms.empty() ? kNaN : chain.horizon_ms[i], 1),
                           fixed(fit.offset_deg.value, 2), fixed(fit.hysteresis_deg.value, 2),
                           fixed(is_known ? fit.held_out_rms_deg : kNaN, 2)});
@@ -206,7 +215,17 @@ Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain,
     }
   }
   if (chain.horizon_ms.empty()) {
-    verdict.AddReason("horizon", "No horizon_ms: the log determines no delay.");
+    std::vector<double> unlimited_ms;
+    for (const ChainFit& fit : fits) {
+      if (std::isfinite(fit.unlimited_delay_ms)) unlimited_ms.push_back(fit.unlimited_delay_ms);
+    }
+    verdict.AddReason(
+        "horizon",
+        unlimited_ms.empty()
+            ? "No horizon_ms: the log determines no delay."
+            : fmt::format("No horizon_ms: a speed limit makes the delay depend on the size of the "
+                          "motion. Below the limit it is {} ms.",
+                          RangeText(unlimited_ms, 0)));
   } else {
     const std::string horizon = RangeText(chain.horizon_ms, 1);
     verdict.recommended = "horizon_ms: " + horizon;

@@ -20,6 +20,7 @@ using Eigen::VectorXd;
 
 constexpr Index kFewestRows = 20;
 constexpr Index kLatestCopy = 5;
+constexpr double kMixedShare = 0.05;  // of the moving rows: no chance makes runs so long
 
 struct LinearFit {
   Index rows = 0;  // by which the angle is later
@@ -201,7 +202,46 @@ class CopyFinder {
   bool has_halves_;
 };
 
+/// FindCopiedRows() of the angle `late` rows later.
+CopiedRows CopiedRowsAt(std::span<const double> command, std::span<const double> angle,
+                        std::size_t late) {
+  constexpr std::size_t kShortestRun = 10;
+  constexpr double kSame = 1e-6;  // of the largest value
+  double largest = 0.0;
+  for (const double value : command) largest = std::max(largest, std::abs(value));
+  CopiedRows rows;
+  std::size_t run = 0, run_begin = 0, moving_before = 0;  // moving rows before the first run
+  const auto end_run = [&](std::size_t end) {
+    if (run >= kShortestRun) {
+      if (rows.copied == 0) {
+        rows.first = run_begin;
+        moving_before = rows.moving - run;
+      }
+      rows.copied += run;
+      rows.last = end - 1;
+      rows.between = rows.moving - moving_before;
+    }
+    run = 0;
+  };
+  for (std::size_t n = 1; n + late < command.size(); ++n) {
+    if (std::abs(command[n] - angle[n + late]) > kSame * largest) end_run(n);
+    // A quick hand may reach each step of a slow target in one row.
+    if (command[n] == command[n - 1] || (late > 0 && command[n] == command[n + late])) continue;
+    ++rows.moving;
+    if (std::abs(command[n] - angle[n + late]) > kSame * largest) continue;
+    if (run++ == 0) run_begin = n;
+  }
+  end_run(command.size() - late);
+  return rows;
+}
+
 }  // namespace
+
+CopiedRows FindCopiedRows(std::span<const double> command, std::span<const double> angle) {
+  GAUNTLET_ASSERT(command.size() == angle.size());
+  const CopiedRows same = CopiedRowsAt(command, angle, 0), next = CopiedRowsAt(command, angle, 1);
+  return next.copied > same.copied ? next : same;
+}
 
 CommandKind FindCommandKind(std::span<const double> command, std::span<const double> angle,
                             double rate_hz) {
@@ -216,6 +256,7 @@ CommandKind FindCommandKind(std::span<const double> command, std::span<const dou
     if (copies.IsCopy(rows)) return rows == 1 ? CommandKind::kNextRow : CommandKind::kLaterRow;
   }
   if (copies.IsCopy(-1)) return CommandKind::kEarlierRow;
+  if (FindCopiedRows(command, angle).share() >= kMixedShare) return CommandKind::kMixed;
   constexpr double kLongestDelay_s = 3.0;
   constexpr double kLatestSum_s = 1.5;
   constexpr Index kLatestSum = 3;   // of an angle that a target explains, too
@@ -259,6 +300,8 @@ const char* NameOf(CommandKind kind) {
       return "later_row";
     case CommandKind::kEarlierRow:
       return "earlier_row";
+    case CommandKind::kMixed:
+      return "mixed";
     case CommandKind::kSteps:
       return "steps";
     case CommandKind::kVelocity:
@@ -283,6 +326,8 @@ std::string ProblemOf(CommandKind kind, double rate_hz) {
       return "its commands are the angles of a later row, to the last digit: none was measured";
     case CommandKind::kEarlierRow:
       return "its commands are the angles of the row before: no delay can be told";
+    case CommandKind::kMixed:
+      return "its commands are copies of its angles in some of the rows: leave these rows out";
     case CommandKind::kSteps:
       return "its commands are steps of the angle, which give no delay as positions: sum them";
     case CommandKind::kVelocity:

@@ -74,10 +74,7 @@ IdentifiedPart PartOf(const ChainLog& log, const ChainFit& fit, const std::strin
 }
 
 bool HasServo(const ChainResult& result) {
-  const auto limited = std::ranges::count_if(
-      result.fits, [](const ChainFit& fit) { return std::isfinite(fit.speed_limit_deg_s.value); });
-  const bool is_limited = 2 * limited > std::ssize(result.fits);
-  return !result.log().from_wearer && result.log().unit_known && !is_limited;
+  return !result.log().from_wearer && result.log().unit_known;
 }
 
 std::string ChainYaml(const ChainResult& result, IdentifiedChain chain) {

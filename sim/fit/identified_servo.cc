@@ -95,6 +95,7 @@ struct LogOfServo {
   std::vector<double> at_spool_deg;  // hysteresis
   std::vector<double> hysteresis_deg;
   std::vector<double> gain;
+  std::vector<double> speed_deg_s;  // limits at the spool, of parts that have one
 };
 
 LogOfServo LogOfServoOf(const ChainLog& log, const std::vector<ChainFit>& fits,
@@ -111,6 +112,10 @@ LogOfServo LogOfServoOf(const ChainLog& log, const std::vector<ChainFit>& fits,
     of_log.hysteresis_deg.push_back(fit.hysteresis_deg.value);
     of_log.at_spool_deg.push_back(fit.hysteresis_deg.value * SpoolPerJoint(hand, log.parts[i]));
     of_log.gain.push_back(fit.gain.value);
+    const double limit_deg_s = fit.speed_limit_deg_s.value;
+    if (std::isfinite(limit_deg_s)) {
+      of_log.speed_deg_s.push_back(limit_deg_s * SpoolPerJoint(hand, log.parts[i]));
+    }
   }
   return of_log;
 }
@@ -149,6 +154,9 @@ std::optional<AnsweringServo> UntriedServo(const ChainLog& log, const std::vecto
   servo.inertia_scale = hand.config().servo.numbers().inertia_scale;
   servo.full_torque_error_deg =
       Over(of_log.inertia_s2).median * spool.stall_per_inertia / servo.inertia_scale * kDegPerRad;
+  if (2 * of_log.speed_deg_s.size() > of_log.gain.size()) {
+    servo.no_load_speed_deg_s = Over(of_log.speed_deg_s).median;
+  }
   // The torque that overcomes the friction, as a share of the stall torque, belongs to half the
   // loop.
   const double error_deg = servo.PutInto(hand.config()).servo.numbers().full_torque_error_deg;
@@ -198,6 +206,10 @@ std::string ServoSettingsText(const ChainLog& log, const HandModel& hand,
            inertia_s2 > 0.0 ? fmt::format("with it a natural frequency of {:.3g} Hz",
                                           1.0 / (2.0 * std::numbers::pi * std::sqrt(inertia_s2)))
                             : "as stiff as may be");
+  if (servo.no_load_speed_deg_s > 0.0) {
+    text += Line("no_load_speed_deg_s", servo.no_load_speed_deg_s, numbers.no_load_speed_deg_s,
+                 fmt::format("the log's limit is {:.4g}", Over(of_log.speed_deg_s).median));
+  }
   const std::string loop =
       fmt::format("a loop of {:.2f} deg at the joint, {}", hysteresis.median, parts(hysteresis, 2));
   text += Line("friction_scale", servo.friction_scale, numbers.friction_scale,

@@ -141,6 +141,37 @@ TEST_F(AuditTest, RefusesCopiesAsTargets) {
   EXPECT_THAT(mixed.parts[0].kind_text, HasSubstr("in 3 of 12 episodes (2, 5, 7)"));
 }
 
+/// Where a person takes over, the recorder writes the angle as the command. Rows at rest, in which
+/// a target equals its angle, are none of these.
+TEST_F(AuditTest, SeesCopiesInSomeRowsOfAnEpisode) {
+  Pair taken_over = Follow(24.0);
+  for (std::size_t n = 369; n < taken_over.command.size(); ++n) {
+    taken_over.command[n] = taken_over.angle[n];
+  }
+  const AuditedPart part = AuditLog(Write({{taken_over}}), {}).parts[0];
+  EXPECT_EQ(part.kind, "mixed");
+  EXPECT_THAT(part.kind_text,
+              testing::MatchesRegex("its commands are copies of its angles in [4-6]. % of the "
+                                    "moving rows, from 12.[34] s on"));
+  std::vector<Pair> episodes = Episodes(10, 8.0);
+  for (const std::size_t e : {2U, 7U}) {
+    for (std::size_t n = 60; n < 180; ++n) episodes[e].command[n] = episodes[e].angle[n + 1];
+  }
+  const AuditedPart some = AuditLog(Write({episodes}), {}).parts[0];
+  EXPECT_EQ(some.kind, "mixed");
+  EXPECT_THAT(some.kind_text, HasSubstr("of the moving rows in 2 of 10 episodes (2, 7)"));
+  // Long rests at the target, in whole counts.
+  std::vector<Pair> rests(6);
+  for (Pair& pair : rests) {
+    Values target = Reaches(12.0, random_);
+    target.resize(12000);
+    for (std::size_t n = 4000; n < 9000; ++n) target[n] = target[4000];
+    pair = {Rounded(Thinned(target, kRate_hz), 1.0),
+            Rounded(Thinned(SecondOrder(target, 0.06, 6.0), kRate_hz), 1.0)};
+  }
+  EXPECT_EQ(AuditLog(Write({rests}), {}).parts[0].kind, "target");
+}
+
 /// Levels of steps are no rounding, and a part at rest is no copy of its command.
 TEST_F(AuditTest, TakesStepsAndRestForTargets) {
   Pair steps, rest;

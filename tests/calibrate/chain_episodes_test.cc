@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "tests/calibrate/made_up_servo.h"
 
@@ -14,7 +15,55 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
+using test::LimitedSteps;
 using test::MakeUpEpisode;
+
+/// Whatever the size of the steps. Wrong: a lag that grows with them.
+TEST(ChainEpisodes, GiveAServoWithASpeedLimitOneDeadTime) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> dead_s(0.02, 0.12), late(0.0, 0.99);
+  int held = 0, told = 0, all = 0;
+  for (const double rate_hz : {50.0, 100.0}) {
+    for (const double most_deg : {10.0, 40.0, 100.0}) {
+      for (const bool two_levels : {false, true}) {
+        for (int i = 0; i < 2; ++i) {
+          const double dead = std::round(1e3 * dead_s(random)) * 1e-3;
+          ChainEpisodes one;
+          one.logs.push_back(
+              LimitedSteps(most_deg, two_levels, dead, rate_hz, late(random), random, 20.0));
+          const ChainEstimate found = IdentifyChain(std::move(one)).fits[0].dead_time_ms;
+          ++all;
+          if (std::isnan(found.value)) continue;  // withheld
+          ++told;
+          held += found.low <= 1e3 * dead && 1e3 * dead <= found.high ? 1 : 0;
+        }
+      }
+    }
+  }
+  EXPECT_GE(held, 0.93 * told) << held << " of " << told;
+  EXPECT_GE(told, 0.8 * all);
+}
+
+/// Wrong: the mean of the basic chain, in which the gain and the lag bear the limit; or an interval
+/// that many episodes make narrower than what is not known of when commands were sent.
+TEST(ChainEpisodes, HaveTheSpeedLimitOfTheirLargeMotions) {
+  std::mt19937 random(6);
+  for (const double rate_hz : {50.0, 100.0}) {
+    ChainEpisodes episodes;
+    for (int e = 0; e < 12; ++e) {
+      const double most_deg = e < 4 ? 10.0 : e < 8 ? 40.0 : 100.0;
+      episodes.logs.push_back(LimitedSteps(most_deg, e % 4 < 2, 0.06, rate_hz, 0.0, random, 12.0));
+    }
+    const ChainFit fit = IdentifyChain(std::move(episodes)).fits[0];
+    EXPECT_NEAR(fit.speed_limit_deg_s.value, 300.0, 5.0);
+    EXPECT_LE(fit.dead_time_ms.low, 60.0) << rate_hz;
+    EXPECT_GE(fit.dead_time_ms.high, 60.0) << rate_hz;
+    EXPECT_NEAR(fit.gain.value, 1.0, 0.01);
+    EXPECT_TRUE(std::isnan(fit.delay_ms.value));
+    EXPECT_NEAR(fit.unlimited_delay_ms, 75.0 + 500.0 / rate_hz, 5.0);
+    EXPECT_THAT(fit.remarks, testing::Contains(HasSubstr("depends on the size of the motion")));
+  }
+}
 
 TEST(ChainEpisodes, GiveTheHandBackAndHoldForTheOthers) {
   ChainEpisodes episodes;

@@ -110,8 +110,8 @@ TEST(CommandKind, OfStepsBetweenTwoLevelsIsATarget) {
       for (double to = 0.0; target.size() < 30.0 * kFine_hz; to = size - to) {
         target.insert(target.end(), static_cast<std::size_t>(rest_s(random) * kFine_hz), to);
       }
-      const Values angle = Measured(
-          Thinned(SpeedLimited(target, 0.06, 300.0, 0.015), rate_hz), 0.1, 0.0, random);
+      const Values angle =
+          Measured(Thinned(SpeedLimited(target, 0.06, 300.0, 0.015), rate_hz), 0.1, 0.0, random);
       EXPECT_EQ(FindCommandKind(Thinned(target, rate_hz), angle, rate_hz), CommandKind::kTarget)
           << rate_hz << " Hz, " << size << " deg";
     }

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <random>
 #include <vector>
 
 #include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
 #include "sim/fit/chain_log.h"
+#include "tests/calibrate/simulated_log.h"
 
 namespace gauntlet::test {
 
@@ -61,6 +63,37 @@ inline sim::ChainLog MakeUpEpisode(const MadeUpServo& servo, int motion, int noi
       motor += 1e-3 / servo.lag_s * (wanted - motor);
       joint = std::clamp(joint, motor - 0.5 * servo.backlash_deg, motor + 0.5 * servo.backlash_deg);
     }
+  }
+  return log;
+}
+
+/// Steps of random size up to `most_deg` between rests, or between two levels, and the answer of a
+/// servo of 60 deg in 0.2 s. Commands are sent `late` rows before the row that has them.
+inline sim::ChainLog LimitedSteps(double most_deg, bool two_levels, double dead_s, double rate_hz,
+                                  double late, std::mt19937& random, double seconds = 30.0) {
+  using namespace sim::simulated_log;
+  std::uniform_real_distribution<double> rest_s(0.5, 1.2), level(-0.5, 0.5);
+  const auto row = static_cast<std::size_t>(kFine_hz / rate_hz);
+  const auto early = static_cast<std::size_t>(late * static_cast<double>(row));
+  Values target;
+  for (double to = 0.5 * most_deg; target.size() < seconds * kFine_hz;
+       to = two_levels ? -to : most_deg * level(random)) {
+    // Commands change with the rows.
+    const auto rows = static_cast<std::size_t>(rest_s(random) * rate_hz);
+    target.insert(target.end(), rows * row - (target.empty() ? early : 0), to);
+  }
+  target.resize(static_cast<std::size_t>(seconds * kFine_hz));
+  const Values command = Thinned(target, rate_hz);
+  const Values angle =
+      Measured(Thinned(SpeedLimited(target, dead_s, 300.0, 0.015), rate_hz), 0.1, 0.0, random);
+  sim::ChainLog log;
+  log.name = "log";
+  log.parts = {"servo"};
+  log.rate_hz = rate_hz;
+  log.command_deg = log.angle_deg = sim::Signal(std::ssize(command), 1);
+  for (Eigen::Index n = 0; n < log.command_deg.rows(); ++n) {
+    log.command_deg(n, 0) = command[static_cast<std::size_t>(n)];
+    log.angle_deg(n, 0) = angle[static_cast<std::size_t>(n)];
   }
   return log;
 }

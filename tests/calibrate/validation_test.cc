@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <random>
 #include <string>
 #include <utility>
 
@@ -43,6 +44,21 @@ TEST(Validation, DoesNotHoldWhereAnObjectStopsTheHand) {
   EXPECT_EQ(verdict.recommended, "");
   ASSERT_FALSE(verdict.Doubts().empty());
   EXPECT_THAT(verdict.Doubts().front(), HasSubstr("of the motion"));
+}
+
+/// Its error is that of a limited servo, and its delay the measured one, whatever the size of steps.
+TEST(Validation, HoldsForAServoWithASpeedLimit) {
+  std::mt19937 random(3);
+  ChainEpisodes episodes;
+  for (const double most_deg : {100.0, 40.0, 40.0, 100.0, 10.0, 10.0}) {
+    episodes.logs.push_back(test::LimitedSteps(most_deg, true, 0.06, 50.0, 0.0, random, 12.0));
+  }
+  const Validation validation = Validate(std::move(episodes), {});
+  const ValidatedPart& part = validation.parts[0];
+  EXPECT_EQ(part.problem, "");
+  EXPECT_LT(part.share_of_motion(), 0.06);
+  EXPECT_NEAR(part.simulated_delay_ms, part.measured_delay_ms, 5.0);
+  EXPECT_EQ(VerdictOf(validation).recommended, "holds");
 }
 
 TEST(Validation, CutsALogWithoutEpisodes) {
