@@ -151,8 +151,8 @@ void CheckQuestion(const Inspection& inspection, const std::string& map) {
   const std::vector<std::string>& profiles = inspection.profiles_to_ask_for;
   const bool by_profile = inspection.remedy == Remedy::kPresetOrMap || !profiles.empty();
   if (inspection.remedy == Remedy::kIdentify) {
-    way = fmt::format("; next: gauntlet identify {}{}", ShellPath(inspection.file),
-                      PartOption(inspection));
+    const std::string log = ShellPath(inspection.file) + PartOption(inspection);
+    way = fmt::format("; next: gauntlet audit {0}, then gauntlet identify {0}", log);
   } else if (AnswersByMap(inspection) || by_profile) {
     way = !profiles.empty()
               ? fmt::format("; --preset {} if it is one, or ", fmt::join(profiles, " or "))

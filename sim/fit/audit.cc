@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -13,7 +14,9 @@
 #include "sim/base/text.h"
 #include "sim/base/threads.h"
 #include "sim/fit/audit_part.h"
+#include "sim/fit/fit_tables.h"
 #include "sim/recordings/inspect/senders.h"
+#include "sim/recordings/table_source.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -281,9 +284,19 @@ class Auditor {
   }
 
   void Add(EpisodeRows rows) {
-    if (rows.steps_s.size() + 1 < kFewestRows) return;
-    const double period_s = PeriodOf(rows.steps_s);
-    if (!(period_s > 0.0)) return;
+    rows_ += rows.count;
+    found_.insert(rows.episode);
+    rows_missing_ += static_cast<double>(rows.rows_missing);
+    for (std::size_t i = 0; i < 2 * audits_.size(); ++i) {
+      if (static_cast<double>(rows.series[i].value.size()) < rows.count) {
+        parts_missing_.insert(i % audits_.size());
+      }
+    }
+    const double period_s = rows.steps_s.size() + 1 < kFewestRows ? 0.0 : PeriodOf(rows.steps_s);
+    if (!(period_s > 0.0)) {
+      short_.insert(rows.episode);
+      return;
+    }
     if (period_s_ == 0.0) {
       period_s_ = period_s;
       watch_.emplace(audits_.size(), period_s);
@@ -295,7 +308,8 @@ class Auditor {
     if (values_ > kBatchValues) FinishBatch();
   }
 
-  Audit Finish(const EpisodeReader& reader, const std::string& name);
+  /// `info`: what the data set should have.
+  Audit Finish(const EpisodeReader& reader, const std::string& name, const DatasetInfo& info);
 
  private:
   static constexpr std::size_t kFewestRows = 10;
@@ -314,6 +328,7 @@ class Auditor {
   PartInRows RowsOf(const Batched& one, std::size_t part);
   void FinishBatch();
   void NameOthers(std::vector<AuditedPart>& parts) const;
+  void NameMissing(const DatasetInfo& info, std::vector<AuditFault>& faults) const;
 
   const ChainColumns& columns_;
   const std::vector<PartColumn>& parts_;
@@ -327,10 +342,30 @@ class Auditor {
   double values_ = 0.0;
   double period_s_ = 0.0;
   double duration_s_ = 0.0;
-  std::vector<double> wraps_;   // by part
-  std::vector<double> most_;    // largest absolute value without a unit, by part
-  std::vector<double> travel_;  // of the commands, in the file's unit, by part
+  double rows_ = 0.0;
+  double rows_missing_ = 0.0;  // with a missing value
+  std::set<std::size_t> parts_missing_;
+  std::set<double> found_, short_;  // episodes
+  std::vector<double> wraps_;       // by part
+  std::vector<double> most_;        // largest absolute value without a unit, by part
+  std::vector<double> travel_;      // of the commands, in the file's unit, by part
 };
+
+/// The rows that have both values; empty if most do not.
+FollowRows SameRows(const ColumnSeries& command, const ColumnSeries& angle) {
+  std::vector<double> commands, angles;
+  for (std::size_t c = 0, a = 0; c < command.value.size() && a < angle.value.size();) {
+    if (command.time_s[c] == angle.time_s[a]) {
+      commands.push_back(command.value[c++]);
+      angles.push_back(angle.value[a++]);
+    } else {
+      ++(command.time_s[c] < angle.time_s[a] ? c : a);
+    }
+  }
+  if (2 * commands.size() <= std::max(command.value.size(), angle.value.size())) return {};
+  return {Eigen::Map<const VectorXd>(commands.data(), std::ssize(commands)),
+          Eigen::Map<const VectorXd>(angles.data(), std::ssize(angles))};
+}
 
 /// A part's rows at an even rate. Also counts its wraps.
 PartInRows Auditor::RowsOf(const Batched& one, std::size_t part) {
@@ -367,13 +402,8 @@ PartInRows Auditor::RowsOf(const Batched& one, std::size_t part) {
   }
   const std::vector<double>& times = series[1].time_s;
   const double rows_of_time = (times.back() - times.front()) / one.period_s;
+  result.raw = SameRows(series[0], series[1]);
   bool is_even = series[0].time_s == times;
-  if (is_even) {
-    const auto values_of = [](const ColumnSeries& column) {
-      return VectorXd(Eigen::Map<const VectorXd>(column.value.data(), std::ssize(column.value)));
-    };
-    result.raw = {values_of(series[0]), values_of(series[1])};
-  }
   constexpr double kUneven = 0.1;  // of the period
   for (std::size_t n = 1; is_even && n < times.size(); ++n) {
     const double due_s = times.front() + static_cast<double>(n) * one.period_s;
@@ -456,7 +486,43 @@ void Auditor::NameOthers(std::vector<AuditedPart>& parts) const {
   }
 }
 
-Audit Auditor::Finish(const EpisodeReader& reader, const std::string& name) {
+void Auditor::NameMissing(const DatasetInfo& info, std::vector<AuditFault>& faults) const {
+  if (rows_missing_ > 0.0) {
+    std::vector<std::string> names;
+    for (const std::size_t part : parts_missing_) names.push_back(columns_.commands[part].part);
+    faults.push_back({"missing_values",
+                      fmt::format("{:g} of {:g} rows have no value of {}", rows_missing_, rows_,
+                                  FirstNames(std::move(names))),
+                      1.0});
+  }
+  if (!short_.empty()) {
+    const bool is_one = short_.size() == 1;
+    faults.push_back({"short_episodes",
+                      fmt::format("{} episode{} fewer than {} rows and {} left out ({})",
+                                  short_.size(), is_one ? " has" : "s have", kFewestRows,
+                                  is_one ? "is" : "are", NumbersText(short_)),
+                      1.0});
+  }
+  if (options_.episode) return;
+  std::set<double> missing;
+  for (double number = 0.0; number < info.episodes; number += 1.0) {
+    if (!found_.contains(number)) missing.insert(number);
+  }
+  if (!missing.empty()) {
+    faults.push_back({"missing_episodes",
+                      fmt::format("meta/info.json names {:g} episodes, {} are missing ({})",
+                                  info.episodes, missing.size(), NumbersText(missing)),
+                      1.0});
+  } else if (info.rows > rows_) {
+    faults.push_back({"missing_rows",
+                      fmt::format("meta/info.json names {:g} rows, {:g} are missing", info.rows,
+                                  info.rows - rows_),
+                      1.0});
+  }
+}
+
+Audit Auditor::Finish(const EpisodeReader& reader, const std::string& name,
+                      const DatasetInfo& info) {
   if (!batch_.empty()) FinishBatch();
   if (episodes_.empty()) reader.csv().Fail(1, "no episode has ten rows");
   Audit audit;
@@ -490,6 +556,7 @@ Audit Auditor::Finish(const EpisodeReader& reader, const std::string& name) {
     if (travel_[part] > 0.0) commands.emplace_back(part, travel_[part]);
   }
   watch_->Finish(commands, audit.faults);
+  NameMissing(info, audit.faults);
   return audit;
 }
 
@@ -507,7 +574,10 @@ Audit AuditLog(const std::filesystem::path& file, const ChainLogOptions& options
   const bool is_folder_with_slash = !file.has_filename();
   const std::filesystem::path name =
       is_folder_with_slash ? file.parent_path().filename() : file.filename();
-  return auditor.Finish(reader, OneLine(name.string()));
+  std::error_code ignored;
+  const bool is_data_set = std::filesystem::is_directory(file / "meta", ignored);
+  return auditor.Finish(reader, OneLine(name.string()),
+                        is_data_set ? DatasetInfoOf(file) : DatasetInfo());
 }
 
 }  // namespace gauntlet::sim

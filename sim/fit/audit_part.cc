@@ -55,20 +55,6 @@ std::vector<FollowRows> Pieces(const FollowRows& rows, double rate_hz, double ov
   return result;
 }
 
-/// "3, 7, 9 and 12", "3, 7, 9, .."; without repeats.
-std::string NumbersText(const std::set<double>& numbers) {
-  constexpr std::size_t kMost = 4;
-  std::vector<std::string> texts;
-  for (const double number : numbers) {
-    if (texts.size() == kMost && numbers.size() > kMost + 1) {
-      texts.emplace_back("..");
-      break;
-    }
-    texts.push_back(fmt::format("{:g}", number));
-  }
-  return fmt::format("{}", fmt::join(texts, ", "));
-}
-
 /// "in 4 of 50 episodes (3, 7, 9, 12)"; empty for the only one.
 std::string EpisodesText(const std::set<double>& some, std::size_t all) {
   if (all == 1) return "";
@@ -156,6 +142,19 @@ Course CourseOf(const std::vector<double>& x, const std::vector<double>& y) {
 }
 
 }  // namespace
+
+std::string NumbersText(const std::set<double>& numbers) {
+  constexpr std::size_t kMost = 4;
+  std::vector<std::string> texts;
+  for (const double number : numbers) {
+    if (texts.size() == kMost && numbers.size() > kMost + 1) {
+      texts.emplace_back("..");
+      break;
+    }
+    texts.push_back(fmt::format("{:g}", number));
+  }
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
 
 void PartAudit::Add(const PartInRows& rows) {
   JudgeKind(rows);

@@ -12,6 +12,9 @@
 
 namespace gauntlet::sim {
 
+/// "3, 7, 9, 12" or "3, 7, 9, 10, .."
+std::string NumbersText(const std::set<double>& numbers);
+
 /// Rows of a part in an episode, at an even rate. A gap in time begins another of `stretches`.
 struct PartInRows {
   double episode = 0.0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "controller/assert.h"
 #include "controller/calibration/robust_statistics.h"
@@ -192,9 +193,11 @@ void EpisodeReader::AddRow(EpisodeRows& rows) const {
     rows.steps_s.push_back(time_s - rows.last_s);
   }
   rows.last_s = time_s;
+  bool is_whole = true;
   for (std::size_t i = commands_ ? columns_.commands.size() : 0; i < parts_.size(); ++i) {
     const double value = values_[parts_[i].column];
     if (std::isnan(value)) {
+      rows.rows_missing += std::exchange(is_whole, false) ? 1 : 0;
       ++rows.values_missing;
       continue;
     }

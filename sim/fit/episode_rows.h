@@ -40,6 +40,7 @@ struct EpisodeRows {
   double first_s = 0.0;
   double last_s = 0.0;
   std::size_t values_missing = 0;
+  std::size_t rows_missing = 0;  // with a missing value
 };
 
 /// A row of a log, the first of an episode or not.

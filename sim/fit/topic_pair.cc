@@ -130,9 +130,14 @@ ChainColumns PairTopics(const FoundTable& command, const FoundTable& state, cons
       if (found != nullptr) {
         command.reader.Fail(
             commands[i].column + 1,
-            fmt::format("{} has several commands of {} in one message: {} and {}", pair.command,
+            fmt::format("{} has several commands of {} in one message: {} and {}{}", pair.command,
                         command.reader.Quoted(angle.joint), command.layout.names[found->column],
-                        command.layout.names[commands[i].column]));
+                        command.layout.names[commands[i].column],
+                        command.layout.names[found->column].starts_with("points_")
+                            ? "; such a trajectory is a plan: record what the controller makes of "
+                              "it, one position a message (of ros2_control: the reference in "
+                              "controller_state), as JointState"
+                            : ""));
       }
       found = &commands[i];
       used[i] = true;

@@ -18,7 +18,6 @@
 #include "sim/recordings/keypoints/keypoint_table.h"
 #include "sim/tables/echo_file.h"
 #include "sim/tables/file_format.h"
-#include "sim/tables/json_arrays.h"
 #include "sim/tables/library_arrays.h"
 #include "sim/tables/mcap_file.h"
 #include "sim/tables/message_file.h"
@@ -260,22 +259,6 @@ void CheckFormat(const fs::path& file, const std::vector<fs::path>& parts, FileF
   }
 }
 
-/// LeRobot's meta/info.json in the folder, beside the file or in a folder above it; empty if there
-/// is none.
-DatasetInfo InfoOf(const fs::path& file) {
-  constexpr int kMostFolders = 4;
-  constexpr std::size_t kMostInfoBytes = std::size_t{4} << 20;
-  fs::path folder = fs::is_directory(file) ? file : fs::absolute(file).parent_path();
-  for (int i = 0; i < kMostFolders; ++i, folder = folder.parent_path()) {
-    std::error_code ignored;
-    const fs::path info = folder / "meta" / "info.json";
-    if (fs::is_regular_file(info, ignored)) {
-      return ReadDatasetInfo(BytesOf(FileSource(info), kMostInfoBytes));
-    }
-  }
-  return {};
-}
-
 [[noreturn]] void FailWithoutArrays(const fs::path& file, const std::string& array) {
   throw UserError(
       {.place = file.string(),
@@ -297,7 +280,7 @@ TableInput TextTable(const fs::path& file, FileFormat format, std::string head,
   }
   if (format == FileFormat::kUtf16) source = Utf8Of(std::move(source));
   TableInput wide = KeypointsInColumns(file.string(), std::move(source));
-  return PlainTable(std::get<CsvReader::Source>(std::move(wide)), InfoOf(file).names);
+  return PlainTable(std::get<CsvReader::Source>(std::move(wide)), DatasetInfoOf(file).names);
 }
 
 }  // namespace
@@ -331,7 +314,7 @@ OpenedTable OpenStoredTable(const fs::path& file, const std::string& array) {
     if (std::ranges::any_of(topics, &ListedTopic::is_taken))
       WriteTopicTable(*messages, array, pipe);
   };
-  const DatasetInfo info = HasArrays(opened.format) ? InfoOf(file) : DatasetInfo();
+  const DatasetInfo info = HasArrays(opened.format) ? DatasetInfoOf(file) : DatasetInfo();
   const auto write_arrays = [&](PipeWriter& pipe) {
     std::vector<NamedArray> arrays = WithFacts(ArraysOf(file, parts, opened.format, info));
     WriteArrays(ListArrays(arrays, array), pipe);
@@ -355,6 +338,20 @@ OpenedTable OpenStoredTable(const fs::path& file, const std::string& array) {
     throw UserError({.place = file.string(), .problem = QuestionOf(opened.topics)});
   }
   return opened;
+}
+
+DatasetInfo DatasetInfoOf(const fs::path& file) {
+  constexpr int kMostFolders = 4;
+  constexpr std::size_t kMostInfoBytes = std::size_t{4} << 20;
+  fs::path folder = fs::is_directory(file) ? file : fs::absolute(file).parent_path();
+  for (int i = 0; i < kMostFolders; ++i, folder = folder.parent_path()) {
+    std::error_code ignored;
+    const fs::path info = folder / "meta" / "info.json";
+    if (fs::is_regular_file(info, ignored)) {
+      return ReadDatasetInfo(BytesOf(FileSource(info), kMostInfoBytes));
+    }
+  }
+  return {};
 }
 
 OpenedTable OpenTable(const fs::path& file, const std::string& array) {

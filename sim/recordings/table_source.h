@@ -10,6 +10,7 @@
 #include "sim/tables/array_table.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/file_format.h"
+#include "sim/tables/json_arrays.h"
 #include "sim/tables/message_table.h"
 #include "sim/tables/table.h"
 
@@ -33,6 +34,10 @@ TextReader TextReaderOf(FileFormat format);
 /// Errors: UserError that says what the file is and what to do, if it is of no such format, or has
 /// no arrays to choose from.
 OpenedTable OpenTable(const std::filesystem::path& file, const std::string& array = {});
+
+/// LeRobot's meta/info.json in the folder, beside the file or in a folder above it; empty if there
+/// is none.
+DatasetInfo DatasetInfoOf(const std::filesystem::path& file);
 
 /// The table of OpenTable(). Errors: as there; UserError if a topic has to be chosen.
 TableInput TableSource(const std::filesystem::path& file, const std::string& array = {});

@@ -274,7 +274,12 @@ DatasetInfo ReadDatasetInfo(std::string_view text) {
   DatasetInfo found;
   const Json whole = Json::parse_or_discard(text);
   if (!whole.is_object() || !whole.contains("features")) return found;
-  if (whole.contains("fps") && whole["fps"].is_number()) found.rate_hz = whole["fps"].get<double>();
+  const auto take = [&](const char* key, double& number) {
+    if (whole.contains(key) && whole[key].is_number()) number = whole[key].get<double>();
+  };
+  take("fps", found.rate_hz);
+  take("total_episodes", found.episodes);
+  take("total_frames", found.rows);
   for (const auto& [name, feature] : whole["features"].items()) {
     if (!feature.is_object() || !feature.contains("names")) continue;
     const Json* names = &feature["names"];

@@ -32,11 +32,13 @@ std::vector<NamedArray> ReadJsonRow(std::string_view text);
 
 /// Facts from LeRobot's info.json about a data set.
 struct DatasetInfo {
-  ListNames names;       // of the numbers of each feature
-  double rate_hz = 0.0;  // frames per second; 0: not known
+  ListNames names;        // of the numbers of each feature
+  double rate_hz = 0.0;   // frames per second; 0: not known
+  double episodes = 0.0;  // that the data set should have; 0: not known
+  double rows = 0.0;      // the same
 };
 
-/// `{"fps": 30, "features": {"action": {"names": ["wrist"]}}}`, or `{"names": {"motors":
+/// `{"fps": 30, "total_episodes": 50, "total_frames": 9000, "features": {"action": {"names": ["wrist"]}}}`, or `{"names": {"motors":
 /// ["wrist"]}}` in a feature. Empty for other texts.
 DatasetInfo ReadDatasetInfo(std::string_view text);
 

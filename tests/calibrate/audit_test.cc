@@ -18,6 +18,7 @@
 #include "sim/tables/mcap_writer.h"
 #include "tests/calibrate/simulated_log.h"
 #include "tests/support/program.h"
+#include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -375,6 +376,44 @@ TEST_F(AuditTest, SeesRowsOfTheWholeDataSet) {
   EXPECT_THAT(KeysOf(AuditLog(Write({repeated}), {}).faults), ElementsAre("repeated_rows"));
 }
 
+/// Each once, with its count. Wrong: to hide rows, episodes or copies behind a missing value.
+TEST_F(AuditTest, CountsWhatIsMissing) {
+  std::vector<Pair> wrist = Episodes(4, 10.0), thumb = Episodes(4, 10.0);
+  for (const std::size_t n : {20U, 21U, 90U}) wrist[1].angle[n] = thumb[2].command[n] = kNaN;
+  wrist[3].angle[5] = kNaN;
+  for (Values* const values :
+       {&wrist[2].command, &wrist[2].angle, &thumb[2].command, &thumb[2].angle}) {
+    values->resize(8);
+  }
+  const Audit audit = AuditLog(Write({wrist, thumb}), {});
+  std::vector<std::string> texts;
+  for (const AuditFault& fault : audit.faults) texts.push_back(fault.text);
+  EXPECT_THAT(texts, ElementsAre("4 of 908 rows have no value of p0",
+                                 "1 episode has fewer than 10 rows and is left out (2)"));
+  const std::filesystem::path chunk = folder_.path() / "set" / "data" / "chunk-000";
+  std::filesystem::create_directories(chunk);
+  std::filesystem::create_directory(folder_.path() / "set" / "meta");
+  std::filesystem::copy(SourceDir() + "/tests/recordings/parquet/snappy.parquet",
+                        chunk / "file-000.parquet");
+  const std::filesystem::path map = folder_.path() / "map.csv";
+  std::ofstream(map) << "column,channel,joint,unit\n1,command,a,deg\n2,angle,a,deg\n"
+                        "timestamp,time,,s\n";
+  for (const auto& [info, text] :
+       {std::pair("\"total_episodes\": 5",
+                  "meta/info.json names 5 episodes, 3 are missing (2, 3, 4)"),
+        {"\"total_episodes\": 2, \"total_frames\": 90",
+         "meta/info.json names 90 rows, 30 are missing"}}) {
+    std::ofstream(folder_.path() / "set" / "meta" / "info.json")
+        << fmt::format("{{{}, \"features\": {{}}}}", info);
+    const Audit set = AuditLog(folder_.path() / "set", {.map = map.string()});
+    ASSERT_EQ(set.faults.size(), 1U);
+    EXPECT_EQ(set.faults[0].text, text);
+  }
+  for (Pair& pair : wrist) pair.command = pair.angle;
+  wrist[0].command[7] = kNaN;
+  EXPECT_EQ(AuditLog(Write({wrist}), {}).parts[0].kind, "copy");
+}
+
 /// Commands and states of ROS, each with its own clock and order of joints.
 TEST_F(AuditTest, PairsTwoTopics) {
   const Pair thumb = Follow(30.0, 0.06, 6.0, 0.1, 100.0),
@@ -423,6 +462,53 @@ TEST_F(AuditTest, PairsTwoTopics) {
   EXPECT_EQ(given.parts[0].delay_ms.value, audit.parts[0].delay_ms.value);
   EXPECT_THROW(AuditLog(file, {.command = "/joint_states"}), UserError);
   EXPECT_THROW(AuditLog(Write({{thumb}}, 100.0), {.command = "/a", .state = ""}), UserError);
+}
+
+/// A plan of several points says no command of each time. Wrong: to say so without a way out.
+TEST_F(AuditTest, SaysWhatToRecordInPlaceOfTrajectories) {
+  const std::filesystem::path file = folder_.path() / "bag.mcap";
+  std::ofstream out(file, std::ios::binary);
+  McapWriter mcap([&](std::string_view bytes) { out << bytes; });
+  const auto commands = mcap.AddTopic(
+      "/arm/joint_trajectory", "trajectory_msgs/msg/JointTrajectory",
+      "std_msgs/Header header\nstring[] joint_names\nJointTrajectoryPoint[] points\n");
+  const auto states = mcap.AddTopic("/joint_states", "sensor_msgs/msg/JointState",
+                                    "std_msgs/Header header\nstring[] name\nfloat64[] position\n"
+                                    "float64[] velocity\nfloat64[] effort\n");
+  for (std::int64_t n = 0; n < 400; ++n) {
+    const double angle = std::sin(0.05 * static_cast<double>(n));
+    CdrWriter state;
+    state.Time(n * 10'000'000);
+    state.Text("");
+    state.Texts({"wrist"});
+    for (const std::vector<double>& values : {std::vector{angle}, {}, {}}) state.Numbers(values);
+    mcap.AddMessage(states, n * 10'000'000, state.message());
+    if (n % 10 != 0) continue;
+    CdrWriter plan;
+    plan.Time(n * 10'000'000);
+    plan.Text("");
+    plan.Texts({"wrist"});
+    std::string bytes(plan.message());
+    const auto put = [&](auto number) {
+      while ((bytes.size() - 4) % sizeof number != 0) bytes += '\0';
+      bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+    };
+    put(std::uint32_t{2});  // points
+    for (const double ahead : {0.0, 0.2}) {
+      put(std::uint32_t{1});
+      put(angle + ahead);
+      for (int i = 0; i < 5; ++i) put(std::uint32_t{0});  // empty lists, and the time
+    }
+    mcap.AddMessage(commands, n * 10'000'000, bytes);
+  }
+  mcap.Finish();
+  out.close();
+  try {
+    AuditLog(file, {.command = "/arm/joint_trajectory", .state = "/joint_states"});
+    ADD_FAILURE();
+  } catch (const UserError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("is a plan: record"));
+  }
 }
 
 }  // namespace

@@ -563,7 +563,7 @@ void AddOtherTools(Shapes& shapes) {
   });
   held.Add("feedback_angle", [](int row) { return std::round(Degrees(0)(row)); });
   shapes.push_back({"tool_servo", held.Text()});
-  shapes.back().question = "next: gauntlet identify glove.csv";
+  shapes.back().question = "then gauntlet identify glove.csv";
 }
 
 void AddTurnsAndSigns(Shapes& shapes) {

@@ -187,11 +187,13 @@ TEST(Json, ThatIsBrokenNamesItsLine) {
 
 TEST(ReadDatasetInfo, TakesListsAndGroupsOfNames) {
   const DatasetInfo info = ReadDatasetInfo(
-      R"({"fps": 30, "features": {"action": {"names": ["a", "b"]},
+      R"({"fps": 30, "total_episodes": 5, "total_frames": 900, "features": {"action": {"names": ["a", "b"]},
           "state": {"names": {"motors": ["c"]}}, "index": {"names": null},
           "image": {"names": [1]}, "mask": {"shape": [1]}}})");
   EXPECT_EQ(info.names, (ListNames{{"action", {"a", "b"}}, {"state", {"c"}}}));
   EXPECT_EQ(info.rate_hz, 30.0);
+  EXPECT_EQ(info.episodes, 5.0);
+  EXPECT_EQ(info.rows, 900.0);
   for (const char* other : {"", "{", "[]", "{}", R"({"features": 1})", R"({"features": []})"}) {
     EXPECT_TRUE(ReadDatasetInfo(other).names.empty()) << other;
   }
