@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <set>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -17,6 +18,7 @@
 #include "sim/fit/fit_tables.h"
 #include "sim/recordings/inspect/senders.h"
 #include "sim/recordings/table_source.h"
+#include "sim/tables/name_words.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -273,12 +275,7 @@ class OtherParts {
 class Auditor {
  public:
   Auditor(const EpisodeReader& reader, const ChainLogOptions& options)
-      : columns_(reader.columns()),
-        parts_(reader.parts()),
-        options_(options),
-        has_units_(options.unit == "deg" ||
-                   std::ranges::all_of(
-                       parts_, [](const PartColumn& column) { return column.scale.has_value(); })) {
+      : columns_(reader.columns()), parts_(reader.parts()), options_(options) {
     for (const PartColumn& command : columns_.commands) audits_.emplace_back(command.part);
     others_.emplace(audits_.size());
   }
@@ -318,13 +315,7 @@ class Auditor {
     double period_s;
   };
 
-  /// To degrees; if the unit of any column is unknown, all stay as they are.
-  double ScaleOf(const PartColumn& column) const {
-    if (options_.unit == "rad" || has_units_) {
-      return column.scale.value_or(options_.unit == "rad" ? kDegPerRad : 1.0);
-    }
-    return 1.0;
-  }
+  void FindUnits();
   PartInRows RowsOf(const Batched& one, std::size_t part);
   void FinishBatch();
   void NameOthers(std::vector<AuditedPart>& parts) const;
@@ -333,7 +324,6 @@ class Auditor {
   const ChainColumns& columns_;
   const std::vector<PartColumn>& parts_;
   const ChainLogOptions& options_;
-  bool has_units_;
   std::vector<PartAudit> audits_;
   std::optional<OtherParts> others_;
   std::optional<RowWatch> watch_;
@@ -347,9 +337,64 @@ class Auditor {
   std::set<std::size_t> parts_missing_;
   std::set<double> found_, short_;  // episodes
   std::vector<double> wraps_;       // by part
-  std::vector<double> most_;        // largest absolute value without a unit, by part
+  UnitOfLog unit_;                  // of columns without one of their own
+  std::vector<std::string> units_;  // by part
   std::vector<double> travel_;      // of the commands, in the file's unit, by part
 };
+
+/// The word for a length at the end of a name: m of gripper_m; else empty.
+std::string LengthOf(const std::string& name) {
+  const std::vector<std::string> words = WordsOf(name);
+  const bool is_length = words.size() > 1 && HasWordOf({words.back()}, "m mm cm");
+  return is_length ? words.back() : "";
+}
+
+/// Units of the parts, by the first rows. What is said or assumed of all angles holds for no
+/// gripper in metres among them.
+void Auditor::FindUnits() {
+  constexpr std::string_view kGrippers = "gripper grippers grip jaw jaws claw";
+  constexpr double kMostGrip = 0.3;  // m
+  constexpr double kFarther = 3.0;   // the median of all parts moves
+  const std::size_t parts = audits_.size();
+  std::vector<double> most(parts, 0.0), travel(parts, 0.0);
+  double most_unnamed = 0.0;
+  ChainColumns unnamed = columns_;
+  unnamed.commands.clear();
+  unnamed.angles.clear();
+  const auto has_own = [&](std::size_t part) {
+    return parts_[part].scale && parts_[parts + part].scale;
+  };
+  for (std::size_t part = 0; part < parts; ++part) {
+    for (const Batched& one : batch_) {
+      for (const std::size_t at : {part, parts + part}) {
+        const std::vector<double>& values = one.rows.series[at].value;
+        if (values.empty()) continue;
+        const auto [low, high] = std::ranges::minmax(values);
+        most[part] = std::max({most[part], -low, high});
+        travel[part] = std::max(travel[part], high - low);
+      }
+    }
+    if (has_own(part) || !LengthOf(parts_[part].part).empty()) continue;
+    most_unnamed = std::max(most_unnamed, most[part]);
+    unnamed.commands.push_back(parts_[part]);
+    unnamed.angles.push_back(parts_[parts + part]);
+  }
+  unit_ = UnitOf(unnamed, most_unnamed, options_.unit);
+  if (!unit_.is_known) {
+    unit_.note =
+        fmt::format("The unit is unknown (values up to {:.4g}): see --unit.", most_unnamed);
+  }
+  const double usual = controller::MedianOf(travel);
+  for (std::size_t part = 0; part < parts; ++part) {
+    const std::string length = LengthOf(parts_[part].part);
+    const bool is_grip = HasWordOf(WordsOf(parts_[part].part), kGrippers) &&
+                         most[part] < kMostGrip && usual > kFarther * travel[part];
+    units_.push_back(has_own(part)                ? "deg"
+                     : !length.empty()            ? length
+                     : unit_.is_known && !is_grip ? "deg"
+                                                  : "units");
+  }
+}
 
 /// The rows that have both values; empty if most do not.
 FollowRows SameRows(const ColumnSeries& command, const ColumnSeries& angle) {
@@ -394,11 +439,8 @@ PartInRows Auditor::RowsOf(const Batched& one, std::size_t part) {
       const auto [least, most] = std::ranges::minmax(series[k].value);
       travel_[part] = std::max(travel_[part], most - least);
     }
-    const double scale = ScaleOf(parts_[at]);
-    for (double& value : series[k].value) {
-      if (!parts_[at].scale) most_[part] = std::max(most_[part], std::abs(value));
-      value = scale * value + parts_[at].offset_deg;
-    }
+    const double scale = units_[part] == "deg" ? parts_[at].scale.value_or(unit_.scale) : 1.0;
+    for (double& value : series[k].value) value = scale * value + parts_[at].offset_deg;
   }
   const std::vector<double>& times = series[1].time_s;
   const double rows_of_time = (times.back() - times.front()) / one.period_s;
@@ -435,8 +477,8 @@ PartInRows Auditor::RowsOf(const Batched& one, std::size_t part) {
 void Auditor::FinishBatch() {
   const std::size_t parts = audits_.size();
   wraps_.resize(parts);
-  most_.resize(parts);
   travel_.resize(parts);
+  if (units_.empty()) FindUnits();
   std::vector<std::vector<PartInRows>> rows(parts);
   ForEachOnThreads(std::max(1U, std::thread::hardware_concurrency()), parts + 1,
                    [&](std::size_t part) {
@@ -531,17 +573,13 @@ Audit Auditor::Finish(const EpisodeReader& reader, const std::string& name,
   audit.duration_s = duration_s_;
   audit.rate_hz = 1.0 / period_s_;
   audit.ignored = columns_.ignored;
-  const double most = most_.empty() ? 0.0 : *std::ranges::max_element(most_);
-  const UnitOfLog unit = UnitOf(columns_, most, options_.unit);
-  audit.unit = unit.is_known ? "deg" : "units";
-  audit.unit_note =
-      unit.is_known ? unit.note
-                    : fmt::format("The unit is unknown (values up to {:.4g}): see --unit.", most);
+  audit.unit = unit_.is_known ? "deg" : "units";
+  audit.unit_note = unit_.note;
   for (const std::string& remark : reader.remarks()) {
     audit.unit_note += (audit.unit_note.empty() ? "" : " ") + remark;
   }
   for (std::size_t part = 0; part < audits_.size(); ++part) {
-    audit.parts.push_back(audits_[part].Finish(episodes_, audit.unit));
+    audit.parts.push_back(audits_[part].Finish(episodes_, units_[part]));
     if (wraps_[part] > 0.0) {
       audit.parts.back().faults.push_back(
           {"wraps",

@@ -26,9 +26,10 @@ struct AuditedEpisode {
   double residual = kNaN;  // RMS of the same
 };
 
-/// Findings about a part. Units: degrees, or those of the file, see Audit::unit.
+/// Findings about a part, in its own unit.
 struct AuditedPart {
   std::string name;
+  std::string unit;  // deg, units, or the unit of a length in its name
   /// Kind of its commands: a NameOf(CommandKind), or `mixed` (copies in some episodes), `ahead`,
   /// `opposite`, `other_part`, `unrelated`, `still`, `command_still`, `angle_still`, `missing`.
   std::string kind;
@@ -56,7 +57,7 @@ struct Audit {
   std::string name;  // of the file
   std::vector<AuditedPart> parts;
   std::vector<double> episodes;  // their numbers
-  std::string unit;              // deg or units
+  std::string unit;              // of most parts: deg or units
   std::string unit_note;
   double duration_s = 0.0;
   double rate_hz = 0.0;

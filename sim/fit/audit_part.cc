@@ -728,6 +728,7 @@ AuditedPart PartAudit::Finish(const std::vector<double>& episodes, const std::st
   if (pending_s_ >= kLeastRest_s || stretches_.empty()) FinishPending();
   AuditedPart part;
   part.name = name_;
+  part.unit = unit;
   part.travel = longest_travel_;
   part.worst = std::move(worst_);
   part.worst_episode = worst_episode_;

@@ -32,7 +32,7 @@ class PartAudit {
   explicit PartAudit(std::string name) : name_(std::move(name)) {}
 
   void Add(const PartInRows& rows);
-  /// `unit`: deg or units.
+  /// `unit`: of the values.
   AuditedPart Finish(const std::vector<double>& episodes, const std::string& unit);
 
  private:

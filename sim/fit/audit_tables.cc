@@ -94,6 +94,12 @@ ResultTable TableOf(const Audit& audit, const std::vector<const AuditedPart*>& p
   constexpr double kWide_ms = 3.0;  // of the interval: its tenths mean nothing
   for (const AuditedPart* const part : parts) {
     const bool is_wide = part->delay_ms.high - part->delay_ms.low > kWide_ms;
+    // A unit of its own stands behind the value.
+    const auto in_unit = [&](double quantity) {
+      ResultCell cell = FixedCell(quantity, digits);
+      if (part->unit == unit || !std::isfinite(quantity)) return cell;
+      return ResultCell{cell.values, fmt::format("{:.3g} {}", quantity, part->unit)};
+    };
     ResultCell gain = FixedCell(part->gain.value, 2);
     gain.values = {part->gain.value, part->gain.low, part->gain.high};
     table.rows.push_back({ResultCell(part->name),
@@ -101,10 +107,10 @@ ResultTable TableOf(const Audit& audit, const std::vector<const AuditedPart*>& p
                           IntervalCell(part->delay_ms, is_wide ? 0 : 1),
                           ResultCell(part->delay_low_ms),
                           ResultCell(part->delay_high_ms),
-                          FixedCell(part->offset, digits),
+                          in_unit(part->offset),
                           std::move(gain),
-                          FixedCell(part->rest_error, digits),
-                          FixedCell(part->residual, digits),
+                          in_unit(part->rest_error),
+                          in_unit(part->residual),
                           ResultCell(part->travel),
                           ResultCell::Text(FaultsText(*part))});
   }
@@ -322,6 +328,16 @@ ResultText AuditText(const Audit& audit, bool verbose) {
 
 namespace {
 
+/// The same values by keys of another unit.
+Json InUnit(const Json& values, const std::string& from, const std::string& to) {
+  Json result = Json::object();
+  for (const auto& [key, value] : values.items()) {
+    const bool has_unit = key.ends_with("_" + from);
+    result[has_unit ? key.substr(0, key.size() - from.size()) + to : key] = value;
+  }
+  return result;
+}
+
 Json JsonOfFaults(const std::vector<AuditFault>& faults) {
   Json list = Json::array();
   for (const AuditFault& fault : faults) list.push_back({{"key", fault.key}, {"text", fault.text}});
@@ -335,6 +351,8 @@ std::string AuditJson(const Audit& audit) {
   const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
   for (std::size_t i = 0; i < audit.parts.size(); ++i) {
     const AuditedPart& part = audit.parts[i];
+    if (part.unit != audit.unit) parts[i] = InUnit(parts[i], audit.unit, part.unit);
+    parts[i]["unit"] = part.unit;
     parts[i]["kind_text"] = part.kind_text;
     parts[i]["delay_stays"] = part.delay_stays;
     parts[i]["faults"] = JsonOfFaults(part.faults);
@@ -343,8 +361,8 @@ std::string AuditJson(const Audit& audit) {
       const AuditedEpisode& one = part.episodes[e];
       parts[i]["episodes"].push_back({{"episode", audit.episodes[e]},
                                       {"delay_ms", number(one.delay_ms)},
-                                      {"offset_" + audit.unit, number(one.offset)},
-                                      {"error_rms_" + audit.unit, number(one.residual)}});
+                                      {"offset_" + part.unit, number(one.offset)},
+                                      {"error_rms_" + part.unit, number(one.residual)}});
     }
   }
   const Json json = {{"log", audit.name},

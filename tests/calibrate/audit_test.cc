@@ -376,6 +376,40 @@ TEST_F(AuditTest, SeesRowsOfTheWholeDataSet) {
   EXPECT_THAT(KeysOf(AuditLog(Write({repeated}), {}).faults), ElementsAre("repeated_rows"));
 }
 
+/// Grippers in metres beside joints in degrees. Wrong: a floor of 1 deg for them, or no unit at all.
+TEST_F(AuditTest, JudgesEachPartInItsOwnUnit) {
+  std::vector<Pair> wrist = Episodes(4, 12.0), grip = Episodes(4, 12.0);
+  for (Pair& pair : grip) {
+    pair.command = Scaled(pair.command, 5e-4, 0.04);
+    pair.angle = Scaled(pair.angle, 5e-4, 0.046);
+  }
+  const std::filesystem::path file = Write({wrist, grip});
+  const auto with_names = [&](const std::string& wrist_unit, const std::string& of_grip) {
+    std::ifstream in(file);
+    const std::filesystem::path named = folder_.path() / "named.csv";
+    std::ofstream out(named);
+    std::string line;
+    std::getline(in, line);
+    out << fmt::format("episode_index,t_s,wrist_command{0},{1},wrist{0},{2}\n", wrist_unit,
+                       "gripper_command" + of_grip, "gripper" + of_grip);
+    out << in.rdbuf();
+    return named;
+  };
+  const Audit by_name = AuditLog(with_names("_deg", "_m"), {});
+  EXPECT_EQ(by_name.unit, "deg");
+  EXPECT_EQ(by_name.unit_note, "");
+  EXPECT_EQ(by_name.parts[0].unit, "deg");
+  EXPECT_EQ(by_name.parts[1].unit, "m");
+  EXPECT_NEAR(by_name.parts[1].offset, 0.006, 1e-4);
+  EXPECT_THAT(VerdictOf(by_name).Text(), HasSubstr("is 0.006 m off"));
+  EXPECT_THAT(TextOf(AuditText(by_name, false), TerminalStyle()), HasSubstr("0.006 m"));
+  EXPECT_THAT(AuditJson(by_name), HasSubstr("\"offset_m\": 0.00"));
+  const Audit said = AuditLog(with_names("", ""), {.unit = "deg"});
+  EXPECT_EQ(said.parts[0].unit, "deg");
+  EXPECT_EQ(said.parts[1].unit, "units");
+  EXPECT_THAT(KeysOf(said.parts[1].faults), ElementsAre("offset"));
+}
+
 /// Each once, with its count. Wrong: to hide rows, episodes or copies behind a missing value.
 TEST_F(AuditTest, CountsWhatIsMissing) {
   std::vector<Pair> wrist = Episodes(4, 10.0), thumb = Episodes(4, 10.0);

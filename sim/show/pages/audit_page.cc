@@ -99,12 +99,12 @@ std::string FigureOf(const Audit& audit, const AuditedPart& part) {
   };
   Chart chart{.title = part.name,
               .x_label = "time [s]",
-              .y_label = fmt::format("angle [{}]", audit.unit),
+              .y_label = fmt::format("angle [{}]", part.unit),
               .bars = {},
               .curves = {curve("command", rows.command), curve("measured", rows.angle)}};
   chart.curves.front().is_command = true;
   std::string caption = part.is_target() ? fmt::format("Delay {:.1f} ms, offset {:.2f} {}.",
-                                                       part.delay_ms.value, part.offset, audit.unit)
+                                                       part.delay_ms.value, part.offset, part.unit)
                                          : part.kind_text + ".";
   if (audit.episodes.size() > 1)
     caption = fmt::format("Episode {:g}. ", part.worst_episode) + caption;
