@@ -19,11 +19,14 @@ struct AuditFault {
   double severity = 0.0;  // the largest comes first; below 1: it may have its reasons
 };
 
-/// A part (joint or motor) in an episode. NaN: not determined.
+/// A part (joint or motor) in an episode, in its stretch with the largest residual. NaN: not
+/// determined.
 struct AuditedEpisode {
   double delay_ms = kNaN;
   double offset = kNaN;    // median of the angle less the delayed command
   double residual = kNaN;  // RMS of the same
+  double from_s = kNaN;    // the stretch in the episode; NaN if it is of several
+  double to_s = kNaN;
 };
 
 /// Findings about a part, in its own unit.
@@ -39,10 +42,12 @@ struct AuditedPart {
   double delay_high_ms = kNaN;
   bool delay_stays = true;
   ChainEstimate gain;
-  double offset = kNaN;      // median over stretches of the angle less the delayed command
-  double rest_error = kNaN;  // RMS at rest, about the offset
-  double residual = kNaN;    // RMS with delay, gain and offset
-  double travel = 0.0;       // of the command
+  double offset = kNaN;          // median over stretches of the angle less the delayed command
+  double offset_limit = kNaN;    // above which an offset counts
+  double delay_limit_ms = kNaN;  // by which delays must differ to count
+  double rest_error = kNaN;      // RMS at rest, about the offset
+  double residual = kNaN;        // RMS with delay, gain and offset
+  double travel = 0.0;           // of the command
   std::vector<AuditFault> faults;
   std::vector<AuditedEpisode> episodes;  // as Audit::episodes
   FollowRows worst;                      // the stretch with the largest residual

@@ -191,7 +191,7 @@ void PartAudit::FinishPending() {
 
 void PartAudit::JudgeKind(const PartInRows& rows) {
   if (rows.raw.command.size() < kFewestRows) return;
-  double first_s = 0.0;
+  double first_s = rows.first_s;
   for (const FollowRows& piece : Pieces(rows.raw, rows.rate_hz, 0.0)) {
     const auto count = static_cast<std::size_t>(piece.command.size());
     const double from_s =
@@ -539,6 +539,7 @@ void PartAudit::FinishDelay(const std::vector<const Stretch*>& moving, AuditedPa
   constexpr double kLeastChange_rows = 0.3;
   const double period_ms = 1e3 / moving.front()->rate_hz;
   const double least_ms = std::max(kLeastChange_ms, kLeastChange_rows * period_ms);
+  part.delay_limit_ms = least_ms;
   // Twice the spread on both sides of the mean: most stretches.
   if (!common.differs || 4.0 * common.spread < least_ms) return;
   part.delay_stays = false;
@@ -592,6 +593,8 @@ void PartAudit::FinishOffset(const std::vector<const Stretch*>& moving, const st
   }
   part.residual = std::sqrt(squares / static_cast<double>(moving.size()));
   part.offset = controller::MedianOf(offsets);
+  constexpr double kLeast_deg = 1.0;
+  part.offset_limit = std::max(kOffsetOfTravel * longest_travel_, unit == "deg" ? kLeast_deg : 0.0);
   part.gain = MeanOfEpisodes(gains);
   constexpr double kFewestRest = 20.0;
   if (rest_rows >= kFewestRest) part.rest_error = std::sqrt(rest_squares / rest_rows);
@@ -627,9 +630,7 @@ void PartAudit::FinishOffset(const std::vector<const Stretch*>& moving, const st
                            part.gain.value < 1.0 && MayTouch(all) ? kLook : 5.0});
     return;  // an offset depends on the place then
   }
-  constexpr double kLeast_deg = 1.0;
-  const double limit =
-      std::max(kOffsetOfTravel * longest_travel_, unit == "deg" ? kLeast_deg : 0.0);
+  const double limit = part.offset_limit;
   Places off;
   std::vector<double> of_off;
   bool is_off_throughout = false;
@@ -752,7 +753,12 @@ AuditedPart PartAudit::Finish(const std::vector<double>& episodes, const std::st
       AuditedEpisode& one = part.episodes[static_cast<std::size_t>(place)];
       // The stretch with the largest residual stands for its episode.
       if (one.residual >= stretch->residual) continue;
-      one = {1e3 * stretch->fit.delay_rows / stretch->rate_hz, stretch->offset, stretch->residual};
+      const bool is_own = stretch->episodes.size() == 1;
+      one = {.delay_ms = 1e3 * stretch->fit.delay_rows / stretch->rate_hz,
+             .offset = stretch->offset,
+             .residual = stretch->residual,
+             .from_s = is_own ? stretch->first_s : kNaN,
+             .to_s = is_own ? stretch->first_s + stretch->length_s : kNaN};
     }
   }
   if (!freezes_.empty()) {

@@ -362,7 +362,9 @@ std::string AuditJson(const Audit& audit) {
       parts[i]["episodes"].push_back({{"episode", audit.episodes[e]},
                                       {"delay_ms", number(one.delay_ms)},
                                       {"offset_" + part.unit, number(one.offset)},
-                                      {"error_rms_" + part.unit, number(one.residual)}});
+                                      {"error_rms_" + part.unit, number(one.residual)},
+                                      {"from_s", number(one.from_s)},
+                                      {"to_s", number(one.to_s)}});
     }
   }
   const Json json = {{"log", audit.name},

@@ -299,6 +299,12 @@ TEST_F(AuditTest, SaysFromWhenOnALogChanges) {
   const Audit audit = AuditLog(Write({{slips}, {jumps}}), {});
   ASSERT_EQ(audit.parts[0].faults.size(), 1U);
   EXPECT_EQ(audit.parts[0].faults[0].text, "is 12.0 deg off from 60 to 120 s");
+  // Values are of the stretch with the largest error, and say which that is.
+  const AuditedEpisode& worst = audit.parts[0].episodes[0];
+  EXPECT_NEAR(worst.offset, 12.0, 0.1);
+  EXPECT_GE(worst.from_s, 59.0);
+  EXPECT_NEAR(worst.to_s - worst.from_s, 10.0, 0.1);
+  EXPECT_THAT(AuditJson(audit), HasSubstr("\"from_s\": "));
   ASSERT_EQ(audit.parts[1].faults.size(), 1U);
   EXPECT_THAT(audit.parts[1].faults[0].text, testing::MatchesRegex(".*jumps from .* ms at 60 s"));
 }

@@ -7,8 +7,12 @@
 
 #include <cmath>
 #include <map>
+#include <string>
+#include <vector>
 
+#include "controller/number.h"
 #include "sim/answers/sweep/sweep_tables.h"
+#include "sim/show/pages/cells_chart.h"
 #include "sim/show/pages/interval_chart.h"
 #include "sim/show/pages/tune_page.h"
 #include "tests/report/browser.h"
@@ -67,6 +71,27 @@ TEST(CellsPage, StandsThereWithoutScripts) {
   EXPECT_EQ(Count(body, "<circle data-point"), 40u);
   EXPECT_EQ(Count(body, "class=\"heat-map\""), 1u);
   EXPECT_EQ(Count(page, "http://") + Count(page, "https://"), Count(page, "http://www.w3.org/"));
+}
+
+/// The colour is that of the limit, whatever the largest value. Wrong: one far value makes all others
+/// pale.
+TEST(HeatMap, HasItsLimitInTheMiddleOfItsColours) {
+  const std::string svg = HeatMapSvg({.x_name = "episode",
+                                      .y_name = "part",
+                                      .score = "offset [deg]",
+                                      .x_labels = {"0", "1", "2", "3"},
+                                      .y_labels = {"wrist"},
+                                      .best = {0.1, 2.5, 900.0, controller::kNaN},
+                                      .points = std::vector(4, kNoPoint),
+                                      .scale = LimitScale{.times_limit = {0.0, 1.25, 450.0, -1.0},
+                                                          .at_zero = "0",
+                                                          .at_limit = "5 % of motion",
+                                                          .above = "10 % or more"}});
+  const std::string cells = svg.substr(svg.find("wrist"));
+  EXPECT_THAT(cells, AllOf(HasSubstr("--share: 0%"), HasSubstr("--share: 70%"),
+                           HasSubstr("--share: 100%")));
+  EXPECT_EQ(Count(cells, "--share"), 3u);
+  EXPECT_THAT(svg, AllOf(HasSubstr(">5 % of motion<"), HasSubstr(">10 % or more<")));
 }
 
 TEST(CellsPage, StaysSmallHoweverManySettingsThereAre) {

@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
 
+#include "controller/calibration/robust_statistics.h"
 #include "sim/fit/audit_tables.h"
 #include "sim/fit/fit_tables.h"
 #include "sim/results/html_text.h"
@@ -56,9 +60,10 @@ std::string DelaySvg(const Audit& audit) {
   return SvgOf(figure);
 }
 
-/// A value of each part and episode; of many episodes, the largest of some that follow each other.
-std::string EpisodesSvg(const Audit& audit, double AuditedEpisode::*value,
-                        const std::string& name) {
+/// A value of each part and episode, coloured by `times_limit` of it; of many episodes, the worst of
+/// some that follow each other.
+std::string EpisodesSvg(const Audit& audit, double AuditedEpisode::*value, const std::string& name,
+                        LimitScale scale, const auto& times_limit) {
   const std::size_t count = audit.episodes.size();
   const std::size_t each = (count + kMostColumns - 1) / kMostColumns;
   HeatMap map{.x_name = each == 1 ? "episode" : fmt::format("episode, {} in a column", each),
@@ -75,15 +80,20 @@ std::string EpisodesSvg(const Audit& audit, double AuditedEpisode::*value,
     if (!part->is_target()) continue;
     map.y_labels.push_back(part->name);
     for (std::size_t e = 0; e < count; e += each) {
-      double most = kNaN;
+      double shown = kNaN, worst = -1.0;
       for (std::size_t i = e; i < std::min(e + each, count); ++i) {
-        const double one = std::abs(part->episodes[i].*value);
-        if (!(one <= most)) most = std::isnan(one) ? most : one;
+        const double one = part->episodes[i].*value;
+        const double times = times_limit(*part, one);
+        if (!(times > worst)) continue;
+        worst = times;
+        shown = one;
       }
-      map.best.push_back(most);
+      map.best.push_back(shown);
+      scale.times_limit.push_back(worst);
       map.points.push_back(kNoPoint);
     }
   }
+  map.scale = std::move(scale);
   return map.y_labels.empty() ? "" : HeatMapSvg(map);
 }
 
@@ -128,19 +138,50 @@ std::string AuditPage(const Audit& audit) {
                             "<div class=\"pair\">" + delays + "</div>");
   }
   if (audit.episodes.size() > 1) {
-    for (const auto& [id, title, value] :
-         {std::tuple("offsets", "Offset", &AuditedEpisode::offset),
-          std::tuple("delays-of-episodes", "Delay by episode", &AuditedEpisode::delay_ms)}) {
-      const std::string unit = value == &AuditedEpisode::offset ? audit.unit : "ms";
-      const std::string map = EpisodesSvg(audit, value, fmt::format("{} [{}]", title, unit));
-      if (map.empty()) continue;
-      sections += PageSection(
-          id, title,
-          value == &AuditedEpisode::offset
-              ? fmt::format("Size of the median of the angle less the delayed command [{}].", unit)
-              : "Delay of the angle in each episode [ms].",
-          ScrolledDrawing(map, title));
+    const auto add = [&](const char* id, const std::string& title, const std::string& text,
+                         const std::string& map) {
+      if (map.empty()) return;
+      sections += PageSection(id, title, text, ScrolledDrawing(map, title));
+    };
+    const double percent = 100.0 * kOffsetOfTravel;
+    add("offsets", "Offset by episode",
+        fmt::format(
+            "Median of the angle less the delayed command [{}], worst of a column. It counts "
+            "above {:g} % of the part's motion{}. Empty: none is known.",
+            audit.unit, percent, audit.unit == "deg" ? " and 1 deg" : ""),
+        EpisodesSvg(audit, &AuditedEpisode::offset, fmt::format("offset [{}]", audit.unit),
+                    {.times_limit = {},
+                     .at_zero = "0",
+                     .at_limit = fmt::format("{:g} % of motion", percent),
+                     .above = fmt::format("{:g} % or more", 2.0 * percent)},
+                    [](const AuditedPart& part, double offset) {
+                      return std::abs(offset) / part.offset_limit;
+                    }));
+    double limit_ms = 0.0;
+    std::map<const AuditedPart*, double> usual_ms;
+    for (const AuditedPart& part : audit.parts) {
+      if (part.delay_limit_ms > limit_ms) limit_ms = part.delay_limit_ms;
+      std::vector<double> delays_ms;
+      for (const AuditedEpisode& one : part.episodes) {
+        if (std::isfinite(one.delay_ms)) delays_ms.push_back(one.delay_ms);
+      }
+      if (!delays_ms.empty()) usual_ms[&part] = controller::MedianOf(delays_ms);
     }
+    add("delays-of-episodes", "Delay by episode",
+        fmt::format(
+            "Delay of the angle [ms], that of a column which is farthest from the median of "
+            "its part. Differences above {:.0f} ms count. Empty: none is known.",
+            limit_ms),
+        EpisodesSvg(audit, &AuditedEpisode::delay_ms, "delay [ms]",
+                    {.times_limit = {},
+                     .at_zero = "median",
+                     .at_limit = fmt::format("{:.0f} ms from it", limit_ms),
+                     .above = fmt::format("{:.0f} ms or more", 2.0 * limit_ms)},
+                    [&](const AuditedPart& part, double delay_ms) {
+                      return std::isfinite(delay_ms)
+                                 ? std::abs(delay_ms - usual_ms.at(&part)) / limit_ms
+                                 : kNaN;
+                    }));
   }
   std::string figures;
   for (const AuditedPart& part : audit.parts) figures += FigureOf(audit, part);

@@ -22,6 +22,33 @@ constexpr double kAxisHeight = 300.0;
 constexpr double kBrushWidth = 36.0;
 constexpr std::size_t kMostAxisLabels = 12;
 
+std::string ShareStyle(double share) {
+  return fmt::format(" style=\"--share: {:.0f}%\"", 100.0 * share);
+}
+
+/// Share of the colour for a value; it jumps at the limit.
+double ShareOfLimit(double times_limit) {
+  constexpr double kBelow = 0.35, kAbove = 0.6;
+  return times_limit <= 1.0 ? kBelow * times_limit
+                            : kAbove + (1.0 - kAbove) * std::min(times_limit - 1.0, 1.0);
+}
+
+/// The colours from 0 to twice the limit, at the left, where they stay in sight on a narrow screen.
+void AddLegend(Figure& figure, const LimitScale& scale) {
+  constexpr int kSteps = 12;
+  constexpr double kStep = 25.0, kTop = 2.0, kBottom = 16.0, kText = 32.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double times_limit = 2.0 * (i + 0.5) / kSteps;
+    figure.Box({i * kStep, kTop}, {(i + 1) * kStep, kBottom},
+               {.css = "cell", .attributes = ShareStyle(ShareOfLimit(times_limit))});
+  }
+  const double middle = 0.5 * kSteps * kStep;
+  figure.Line({middle, kTop}, {middle, kBottom + 3.0}, {"axis"});
+  figure.Text({0.0, kText}, Anchor::kStart, scale.at_zero);
+  figure.Text({middle, kText}, Anchor::kMiddle, scale.at_limit);
+  figure.Text({2.0 * middle, kText}, Anchor::kEnd, scale.above);
+}
+
 /// The cell of one column and row, with its value if it is wide enough.
 void AddHeatCell(Figure& figure, const HeatMap& map, const Extent& range, std::size_t x,
                  std::size_t y, const FigureBox& cell) {
@@ -29,7 +56,8 @@ void AddHeatCell(Figure& figure, const HeatMap& map, const Extent& range, std::s
   const double value = map.best[at];
   if (std::isnan(value)) return;
   const double bad = map.lower_is_better ? range.Share(value) : 1.0 - range.Share(value);
-  const std::string share = fmt::format(" style=\"--share: {:.0f}%\"", 80.0 * bad);
+  const std::string share =
+      ShareStyle(map.scale ? ShareOfLimit(map.scale->times_limit[at]) : 0.8 * bad);
   const std::size_t point = map.points[at];
   Ink ink = point == kNoPoint ? Ink{.css = "cell", .attributes = share}
                               : InkOfPoint(point, "cell", share);
@@ -100,12 +128,20 @@ std::string HeatMapSvg(const HeatMap& map) {
   const double cell_width = std::clamp(600.0 / columns, 26.0, 90.0);
   Extent range;
   for (const double value : map.best) range.Include(value);
-  Figure figure{kHeatLayout.left + columns * cell_width + kHeatLayout.right,
-                kHeatLayout.top + rows * kHeatRow + kHeatLayout.bottom, "heat-map",
-                fmt::format("Best {} over {} and {}: {} to {}", map.score, map.x_name, map.y_name,
-                            Short(range.low), Short(range.high))};
-  const FigureBox area = figure.Inside(kHeatLayout);
-  figure.Text({0.0, 16.0}, Anchor::kStart, map.y_name, {"name"});
+  FigureLayout layout = kHeatLayout;
+  constexpr double kLegend = 40.0, kLegendWidth = 310.0, kLongerNames = 24.0;
+  if (map.scale) {
+    layout.top += kLegend;
+    layout.left += kLongerNames;
+  }
+  const double width_px = layout.left + columns * cell_width + layout.right;
+  Figure figure{map.scale ? std::max(width_px, kLegendWidth) : width_px,
+                layout.top + rows * kHeatRow + layout.bottom, "heat-map",
+                fmt::format("{}{} over {} and {}: {} to {}", map.scale ? "" : "Best ", map.score,
+                            map.x_name, map.y_name, Short(range.low), Short(range.high))};
+  const FigureBox area = figure.Inside(layout);
+  if (map.scale) AddLegend(figure, *map.scale);
+  figure.Text({0.0, layout.top - 14.0}, Anchor::kStart, map.y_name, {"name"});
   for (std::size_t y = 0; y < map.y_labels.size(); ++y) {
     const double bottom = area.bottom - static_cast<double>(y) * kHeatRow;
     figure.Text({area.left - kHeatLayout.tick_gap, bottom - 0.5 * kHeatRow + kHeatLayout.baseline},

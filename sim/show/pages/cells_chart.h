@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,12 @@ struct ChartPoint {
   const char* css() const { return faint ? "faint" : good ? "good" : ""; }
 };
 
+/// A scale of colours with a limit in its middle.
+struct LimitScale {
+  std::vector<double> times_limit;       // y by x, as HeatMap::best
+  std::string at_zero, at_limit, above;  // labels
+};
+
 /// The best of a score over a grid of two settings.
 struct HeatMap {
   std::string x_name, y_name, score;
@@ -40,6 +47,7 @@ struct HeatMap {
   std::vector<double> best;         // y by x; NaN: nothing there
   std::vector<std::size_t> points;  // whose; kNoPoint where it is not among the page's
   bool lower_is_better = true;
+  std::optional<LimitScale> scale = {};  // none: from the lowest value to the highest
 };
 inline constexpr std::size_t kNoPoint = static_cast<std::size_t>(-1);
 
