@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "controller/assert.h"
@@ -111,6 +112,7 @@ class ChainState {
         lag_(LagStepOf(model, rate_hz)),
         step_limit_deg_(model.speed_limit_deg_s / rate_hz),
         zero_steps_(std::max(-model.extra_lag_s, 0.0) * rate_hz),
+        per_stretch_(model.stretch_deg > 0.0 ? 1.0 / model.stretch_deg : 0.0),
         limited_(start),
         played_(start),
         pole_(start),
@@ -144,8 +146,12 @@ class ChainState {
   double joint() const { return joint_; }
 
  private:
-  /// 1 - exp(-x) for x >= 0, within 0.025: monotonic and bounded, without a call of exp().
-  static double Approached(double x) { return 1.0 - 1.0 / (1.0 + x * (1.0 + x * (0.5 + x / 6.0))); }
+  /// exp(x) for x >= 0, such that 1 - 1 / Grown(x) is 1 - exp(-x) within 0.025: monotonic and bounded,
+  /// without a call of exp().
+  static double Grown(double x) {
+    constexpr double kSixth = 1.0 / 6.0;
+    return 1.0 + x * (1.0 + x * (0.5 + x * kSixth));
+  }
 
   /// Friction before the lag: moves played_ after the driver `wanted`.
   void Rub(double wanted) {
@@ -160,8 +166,8 @@ class ChainState {
       // x + open (1 - exp(-x / stretch)) = change, by two steps of Newton from below.
       double x = change * model_.stretch_deg / (model_.stretch_deg + open);
       for (int i = 0; i < 2; ++i) {
-        const double left = 1.0 - Approached(x / model_.stretch_deg);
-        x += (change - x - open * (1.0 - left)) / (1.0 + open / model_.stretch_deg * left);
+        const double grown = Grown(x * per_stretch_);  // on both sides of the fraction, for speed
+        x += ((change - x - open) * grown + open) / (grown + open * per_stretch_);
       }
       played_ += sign * x;
       deflection_ = std::clamp(wanted - played_, -model_.play_deg, model_.play_deg);
@@ -172,7 +178,7 @@ class ChainState {
   void RubOnMass(double moved) {
     const double sign = moved < 0.0 ? -1.0 : 1.0;
     const double open = model_.play_deg - sign * deflection_;
-    deflection_ += sign * open * Approached(std::abs(moved) / model_.stretch_deg);
+    deflection_ += sign * open * (1.0 - 1.0 / Grown(std::abs(moved) * per_stretch_));
   }
 
   void Lag(double input, double push) {
@@ -187,6 +193,7 @@ class ChainState {
   LagStep lag_;
   double step_limit_deg_;
   double zero_steps_;
+  double per_stretch_;         // 1 / stretch_deg
   double keep_ = 0.0;          // share of the pole's state after a step
   double pole_of_push_ = 1.0;  // share of a change within the step
   double limited_;
@@ -197,6 +204,60 @@ class ChainState {
   double change_ = 0.0;
   double joint_;
 };
+
+/// A model with its state, and where its command has got to.
+struct Running {
+  Running(const ChainModel& chain, const FineCommand& command) : model(chain) {
+    const double dead_samples = chain.dead_time_s * command.rate_hz + command.late_steps;
+    const double floor = std::floor(dead_samples);
+    whole = static_cast<Index>(floor);
+    fraction = dead_samples - floor;
+    state.emplace(model, command.rate_hz, Driven(command.values_deg.front()));
+  }
+  double Driven(double u) const {
+    const double from_middle = u - model.bend_middle_deg;
+    return model.gain * u + model.bend_per_deg * from_middle * from_middle;
+  }
+
+  const ChainModel model;
+  Index whole = 0;  // steps of the dead time
+  double fraction = 0.0;
+  std::optional<ChainState> state;
+};
+
+/// SimulateChain() of several models. Each step waits for the one before, so a processor has time
+/// for the steps of others.
+template <std::size_t kModels>
+void SimulateTogether(const std::array<const ChainModel*, kModels>& models,
+                      const FineCommand& command,
+                      const std::array<std::span<double>, kModels>& angles_deg) {
+  const std::size_t rows = angles_deg.front().size();
+  GAUNTLET_ASSERT(command.steps_per_row > 0 &&
+                  std::ssize(command.values_deg) >
+                      (static_cast<Index>(rows) - 1) * command.steps_per_row);
+  std::vector<Running> running;
+  running.reserve(kModels);
+  for (const ChainModel* const model : models) {
+    GAUNTLET_ASSERT(model->dead_time_s >= 0.0);
+    running.emplace_back(*model, command);
+  }
+  const double* const values = command.values_deg.data();
+  Index step = 1;
+  for (std::size_t row = 0; row < rows; ++row) {
+    const Index last = static_cast<Index>(row) * command.steps_per_row;
+    for (; step <= last; ++step) {
+      for (std::size_t i = 0; i < kModels; ++i) {
+        Running& one = running[i];
+        if (step <= one.whole) continue;  // nothing moves before the second value arrives
+        const double* const arrived = values + (step - one.whole - 1);
+        one.state->Step(one.Driven(arrived[1] + one.fraction * (arrived[0] - arrived[1])));
+      }
+    }
+    for (std::size_t i = 0; i < kModels; ++i) {
+      angles_deg[i][row] = running[i].state->joint() + running[i].model.offset_deg;
+    }
+  }
+}
 
 }  // namespace
 
@@ -222,27 +283,18 @@ FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz,
 
 void SimulateChain(const ChainModel& model, const FineCommand& command,
                    std::span<double> angle_deg) {
-  GAUNTLET_ASSERT(command.steps_per_row > 0 && model.dead_time_s >= 0.0);
-  GAUNTLET_ASSERT(std::ssize(command.values_deg) >
-                  (std::ssize(angle_deg) - 1) * command.steps_per_row);
-  const double dead_samples = model.dead_time_s * command.rate_hz + command.late_steps;
-  const double whole = std::floor(dead_samples);
-  const double fraction = dead_samples - whole;
-  const auto driven = [&](double u) {
-    const double from_middle = u - model.bend_middle_deg;
-    return model.gain * u + model.bend_per_deg * from_middle * from_middle;
-  };
-  const double* arrived = command.values_deg.data();
-  ChainState state(model, command.rate_hz, driven(*arrived));
-  Index step = static_cast<Index>(whole) + 1;  // nothing moves before the second value arrives
-  for (std::size_t row = 0; row < angle_deg.size(); ++row) {
-    const Index last = static_cast<Index>(row) * command.steps_per_row;
-    for (; step <= last; ++step) {
-      state.Step(driven(arrived[1] + fraction * (arrived[0] - arrived[1])));
-      ++arrived;
-    }
-    angle_deg[row] = state.joint() + model.offset_deg;
+  SimulateTogether<1>({&model}, command, {angle_deg});
+}
+
+void SimulateChains(std::span<const ChainModel> models, const FineCommand& command,
+                    std::span<const std::span<double>> angles_deg) {
+  GAUNTLET_ASSERT(angles_deg.size() == models.size());
+  std::size_t i = 0;
+  for (; i + 4 <= models.size(); i += 4) {
+    SimulateTogether<4>({&models[i], &models[i + 1], &models[i + 2], &models[i + 3]}, command,
+                        {angles_deg[i], angles_deg[i + 1], angles_deg[i + 2], angles_deg[i + 3]});
   }
+  for (; i < models.size(); ++i) SimulateChain(models[i], command, angles_deg[i]);
 }
 
 }  // namespace gauntlet::sim

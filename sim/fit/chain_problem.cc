@@ -116,6 +116,12 @@ VectorXd ChainProblem::Residual(const VectorXd& parameters) {
 MatrixXd ChainProblem::Derivatives(const VectorXd& parameters) {
   MatrixXd result(angle_deg_.size(), parameters.size());
   result.col(family_.At(kOffset)).setOnes();
+  struct Quotient {
+    Index parameter;
+    double width;
+  };
+  std::vector<Quotient> quotients;
+  std::vector<ChainModel> models;  // below and above, of each
   for (Index i = 0; i < parameters.size(); ++i) {
     const ChainParameter parameter = family_.free[static_cast<std::size_t>(i)];
     if (parameter == kOffset || parameter == kLostPlay) continue;
@@ -123,7 +129,23 @@ MatrixXd ChainProblem::Derivatives(const VectorXd& parameters) {
     VectorXd above = parameters;
     below[i] = std::max(below[i] - step_[i], low_[i]);
     above[i] = std::min(above[i] + step_[i], high_[i]);
-    result.col(i) = (Residual(below) - Residual(above)) / (above[i] - below[i]);
+    quotients.push_back({i, above[i] - below[i]});
+    for (const VectorXd& place : {below, above}) {
+      models.push_back(ModelOfChain(family_, place, bend_middle_deg_));
+    }
+  }
+  MatrixXd simulated(std::ssize(simulated_deg_), std::ssize(models));
+  std::vector<std::span<double>> columns;
+  for (Index i = 0; i < simulated.cols(); ++i) {
+    columns.emplace_back(simulated.col(i).data(), simulated_deg_.size());
+  }
+  SimulateChains(models, command_, columns);
+  for (std::size_t i = 0; i < quotients.size(); ++i) {
+    const auto residual = [&](std::size_t column) {
+      return angle_deg_ - simulated.col(static_cast<Index>(column)).tail(angle_deg_.size());
+    };
+    result.col(quotients[i].parameter) =
+        (residual(2 * i) - residual(2 * i + 1)) / quotients[i].width;
   }
   if (family_.Has(kLostPlay)) {
     result.col(family_.At(kLostPlay)) =
