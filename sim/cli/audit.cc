@@ -56,7 +56,7 @@ struct AuditOptions {
   static constexpr auto kNotes = R"(
 For each part, audit reports:
 - The kind of its commands: targets; copies of the angle in the same or another
-  row; steps or speeds of the angle; the command of another part; unrelated.
+  row, also in some of the rows; steps or speeds of the angle; the command of another part; unrelated.
   Only targets have a delay.
 - The delay of the angle with a 95 % confidence interval, and whether it drifts
   or varies.
@@ -68,8 +68,8 @@ For each part, audit reports:
   clipped commands, an angle that stops or stands still, jumps by a full turn,
   motion that the command does not explain.
 
-Of the data set it reports angles that are older than their rows, repeated rows, gaps and two
-senders. An episode above 20 s is cut into stretches of 10 s, episodes below 5 s are used together.
+Of the data set it reports angles that are older than their rows, repeated rows, gaps, two
+senders, and missing values, rows and episodes. An episode above 20 s is cut into stretches of 10 s, episodes below 5 s are used together.
 Bags of ROS have command and state in two topics: see --command and --state.
 For lag, hysteresis and the servo of a single hand see gauntlet identify.
 

@@ -34,7 +34,7 @@ double ShareOfLimit(double times_limit) {
 }
 
 /// The colours from 0 to twice the limit, at the left, where they stay in sight on a narrow screen.
-void AddLegend(Figure& figure, const LimitScale& scale) {
+void AddScale(Figure& figure, const LimitScale& scale) {
   constexpr int kSteps = 12;
   constexpr double kStep = 25.0, kTop = 2.0, kBottom = 16.0, kText = 32.0;
   for (int i = 0; i < kSteps; ++i) {
@@ -140,7 +140,7 @@ std::string HeatMapSvg(const HeatMap& map) {
                 fmt::format("{}{} over {} and {}: {} to {}", map.scale ? "" : "Best ", map.score,
                             map.x_name, map.y_name, Short(range.low), Short(range.high))};
   const FigureBox area = figure.Inside(layout);
-  if (map.scale) AddLegend(figure, *map.scale);
+  if (map.scale) AddScale(figure, *map.scale);
   figure.Text({0.0, layout.top - 14.0}, Anchor::kStart, map.y_name, {"name"});
   for (std::size_t y = 0; y < map.y_labels.size(); ++y) {
     const double bottom = area.bottom - static_cast<double>(y) * kHeatRow;
