@@ -24,8 +24,9 @@ struct AuditOptions {
   std::string state;
   std::string map;
   std::string unit;
-  double rate_hz = 0.0;  // of even rows; 0: by the time
-  int episode = -1;      // below 0: all
+  std::string time_unit;  // of a column of numbers; empty: by the file
+  double rate_hz = 0.0;   // of even rows; 0: by the time
+  int episode = -1;       // below 0: all
   std::string out;
   bool json = false;
   bool verbose = false;
@@ -42,8 +43,9 @@ struct AuditOptions {
         Option("--map", &map, {.value = "FILE.csv", .offer = Offer::kFiles},
                "column map: columns with the channels command and angle, their joint in the key "
                "joint [by names]"),
-        Option("--unit", &unit, {.value = "UNIT", .choices = {"deg", "rad"}},
-               "unit of the angles, if the names of the columns have none"),
+        UnitOption(unit, {"deg", "rad"},
+                   "unit of the angles, if the names of the columns have none"),
+        TimeUnitOption(time_unit, {"--map"}),
         Option("--episode", &episode, {.value = "N"}, "audit one episode [all]"),
         Option("--rate", &rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
                "rate of even rows, in a log without a time"),
@@ -92,6 +94,7 @@ void RunAudit(const AuditOptions& options) {
                 .unit = options.unit,
                 .episode = options.episode < 0 ? std::nullopt : std::optional(options.episode),
                 .rate_hz = options.rate_hz,
+                .time_unit = options.time_unit,
                 .command = options.command,
                 .state = options.state},
                [&](double share) { bar.Update(share, 1.0); });

@@ -77,6 +77,11 @@ struct CalibrateOptions {
                "column map, or the name of a preset: sensors and channels of the columns, bits and "
                "the time; scales are not used"),
         ArrayOptions(format.array),
+        UnitOption(format.unit, {"counts", "volts", "deg", "rad"},
+                   "unit of columns with the name of a channel alone: counts or volts of the "
+                   "sensor, or the known angle",
+                   {"--map"}),
+        TimeUnitOption(format.time_unit, {"--map"}),
         Option("--still", &still, {.value = "a:b"},
                "the hand is still from a to b seconds after the first row; may be repeated "
                "[stretches in which no sensor moves]"),

@@ -24,6 +24,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/stream_table.h"
+#include "sim/recordings/time_guess.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/tables/file_format.h"
 #include "sim/tables/source_bytes.h"
@@ -43,6 +44,7 @@ struct FilterOptions {
   std::vector<std::string> columns;  // to filter; empty: all but the time
   std::string map;                   // empty: columns as their names say
   std::string time_unit;             // empty: by the name of the column
+  std::string hand;                  // left or right; empty: all rows
 
   Options Rows() {
     return {
@@ -58,15 +60,18 @@ struct FilterOptions {
                "channels are filtered, in degrees, and come out as NAME_deg; with --columns those "
                "named, as NAME"),
         TimeUnitOption(time_unit, {"--map"}),
+        Option("--hand", &hand, {.choices = {"left", "right"}, .excludes = {"--map"}},
+               "the hand whose rows come out, where a column names the hand of each row"),
     };
   }
 
   static constexpr auto kNotes = R"(
 The table is found as gauntlet inspect finds it; lines above it are left out. Labels of a
 serial plotter (flex1:512 flex2:300), lists ([512 300]), JointState of ROS as text and the
-alpha encoding of opengloves come out as a table. A column of time (time, timestamp, t, with a unit as in time_ms; in s without) passes
-through, and so do numbers of rows, labels and other times by their names; all others are
-channels, unless --columns names some.
+alpha encoding of opengloves come out as a table. A column of time (time, timestamp, t, with a
+unit as in time_ms; in s without) passes through, and so do numbers of rows, labels, hands and
+other times by their names; all others are channels, unless --columns names some. A clock may
+go past midnight.
 Another name of a time, as recv_timestamp_ms, is taken if its first 21 values rise.
 The sampling rate is that of the first 21 times, unless rate_hz gives it; filters that
 only count samples need none. A missing value (empty, nan, NA), or one beyond 1e100, is
@@ -74,7 +79,8 @@ held at the last good one.
 
 A map's columns need no such names, nor a header. Each channel comes out where the first
 column stood that it is made of, not cut to the joint's range; columns without a row in the
-map pass through. Counts whose bits the map does not say are of 10 bits.
+map pass through. Counts whose bits the map does not say are of 10 bits. Rows of the other hand
+are left out, by --hand or by a map that has the hand.
 
 Example:
   gauntlet filter kalman --set q=0.001 --set r=21.18 < in.csv > out.csv
@@ -137,6 +143,7 @@ class FilterStream {
   FilterStream(const StreamFilter& settings, StreamTable table)
       : settings_(settings), table_(std::move(table)) {
     if (table_.has_time()) clock_.emplace(table_.time_scale_s());
+    midnight_ = MidnightClock(table_.time());
     if (table_.needs_time() && !clock_ && !std::isfinite(settings_.rate_hz)) {
       throw UserError({.place = "--map",
                        .key = "envelope_ms",
@@ -153,9 +160,14 @@ class FilterStream {
 
   void ReadRow(std::string_view line, std::size_t row) {
     table_.Read(line, row);
-    const bool has_time = clock_ && clock_->Add(table_.Time());
+    if (table_.IsOfOtherHand()) {
+      ++rows_of_other_hand_;
+      return;
+    }
+    const double time = midnight_.Add(table_.Time());
+    const bool has_time = clock_ && clock_->Add(time);
     if (filter_) {
-      FilterRow();
+      FilterRow(time);
       return;
     }
     if (!has_time) {
@@ -164,7 +176,7 @@ class FilterStream {
                                     "which the rate follows; --set rate_hz=HZ gives it otherwise",
                                     Shown(table_.TimeText())));
     }
-    waiting_.push_back({std::string(line), row});
+    waiting_.push_back({std::string(line), row, time});
     if (clock_->rows() == RowClock::kRowsForRate) StartAtRateOfClock();
   }
 
@@ -180,6 +192,10 @@ class FilterStream {
     }
     if (filter_ && filter_->held() > 0) {
       Say("gauntlet: {} missing values held at the last good one\n", filter_->held());
+    }
+    if (midnight_.midnights() > 0) Say("gauntlet: standard input: {}\n", kPastMidnight);
+    if (rows_of_other_hand_ > 0) {
+      Say("gauntlet: standard input: {} rows of the other hand left out\n", rows_of_other_hand_);
     }
   }
 
@@ -218,16 +234,16 @@ class FilterStream {
                                           rate_hz, kLowestHz, kHighestHz));
     }
     Start(rate_hz);
-    for (const auto& [line, row] : waiting_) {
+    for (const auto& [line, row, time] : waiting_) {
       table_.Read(line, row);
-      FilterRow();
+      FilterRow(time);
     }
     waiting_.clear();
   }
 
-  void FilterRow() {
-    const double time_s =
-        clock_ ? table_.Time() * table_.time_scale_s() : rows_ / settings_.rate_hz;
+  /// `time`: as of the table, which goes on over midnight.
+  void FilterRow(double time) {
+    const double time_s = clock_ ? time * table_.time_scale_s() : rows_ / settings_.rate_hz;
     ++rows_;
     for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = table_.Value(i, time_s);
     filter_->Step(values_, filtered_);
@@ -238,6 +254,7 @@ class FilterStream {
   struct WaitingRow {
     std::string line;
     std::size_t row;
+    double time;
   };
 
   const StreamFilter& settings_;
@@ -247,6 +264,8 @@ class FilterStream {
   double rate_hz_ = controller::kNaN;
   double rows_ = 0.0;  // that are filtered
   std::optional<RowClock> clock_;
+  MidnightClock midnight_;
+  std::size_t rows_of_other_hand_ = 0;
   std::vector<WaitingRow> waiting_;
   std::vector<double> values_;
   std::vector<double> filtered_;
@@ -275,7 +294,10 @@ void RunFilter(const FilterOptions& options) {
   LiveTable table = PlainStream("standard input", StandardInput());
   TextLines lines("standard input", std::move(table.source));
   const StreamHead head = ReadHead(lines, !options.map.empty());
-  FilterStream stream(settings, StreamTable(head, options.map, options.columns, options.time_unit));
+  FilterStream stream(settings, StreamTable(head, {.map = options.map,
+                                                   .asked = options.columns,
+                                                   .time_unit = options.time_unit,
+                                                   .hand = options.hand}));
   for (const TextLine& row : head.rows) stream.ReadRow(row.text, row.number);
   for (std::string_view line; lines.Next(line);) {
     if (IsRow(line)) stream.ReadRow(line, lines.number());

@@ -31,11 +31,12 @@ struct LogOptions {
   std::string array;    // of a file with several
   std::string command;  // topics
   std::string state;
-  std::string map;       // column map
-  std::string unit;      // of columns whose names have none
-  double rate_hz = 0.0;  // of even rows; 0: by the time
-  std::string hand;      // of a validation; empty: a joint and a servo for each part
-  std::string out;       // empty: out/<log>.chain.yaml, or out/<log>.validation.html
+  std::string map;        // column map
+  std::string unit;       // of columns whose names have none
+  std::string time_unit;  // of a column of numbers; empty: by the file
+  double rate_hz = 0.0;   // of even rows; 0: by the time
+  std::string hand;       // of a validation; empty: a joint and a servo for each part
+  std::string out;        // empty: out/<log>.chain.yaml, or out/<log>.validation.html
   bool json = false;
   TerminalOptions terminal;
 
@@ -47,8 +48,9 @@ struct LogOptions {
         Option("--map", &map, {.value = "FILE.csv", .offer = Offer::kFiles},
                "column map: columns with the channels command, angle and motor, their joint in the "
                "key joint [by names]"),
-        Option("--unit", &unit, {.value = "UNIT", .choices = {"deg", "rad"}},
-               "unit of the angles, if the names of the columns have none"),
+        UnitOption(unit, {"deg", "rad"},
+                   "unit of the angles, if the names of the columns have none"),
+        TimeUnitOption(time_unit, {"--map"}),
         Option("--rate", &rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
                "rate of even rows, in a log without a time"),
         Option("--json", &json, {}, "print JSON instead of the table"),
@@ -216,6 +218,7 @@ void ValidateHand(const LogOptions& options) {
                                                            .map = options.map,
                                                            .unit = options.unit,
                                                            .rate_hz = options.rate_hz,
+                                                           .time_unit = options.time_unit,
                                                            .command = options.command,
                                                            .state = options.state});
   RefuseInput(page);
@@ -252,6 +255,7 @@ void RunIdentify(const IdentifyOptions& options) {
                  .unit = options.unit,
                  .episode = options.episode < 0 ? std::nullopt : std::optional(options.episode),
                  .rate_hz = options.rate_hz,
+                 .time_unit = options.time_unit,
                  .command = options.command,
                  .state = options.state}});
   OutputFiles files({.folder = target.parent_path(),

@@ -49,8 +49,10 @@ struct LiveCommand {
   std::string glove{kSimulated};
   std::string motors{kSimulated};
   std::string map;
-  double rate_hz = 0.0;  // of a file without a time; 0: not given
-  std::string array;     // of a file
+  double rate_hz = 0.0;   // of a file without a time; 0: not given
+  std::string array;      // of a file
+  std::string time_unit;  // of a file's column of time; empty: found
+  std::string unit;       // of columns whose names have none
   double seconds = 0.0;
   std::vector<std::string> shadows;
   std::string record;
@@ -100,6 +102,10 @@ struct LiveCommand {
         Option("--rate", &rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
                "with file:PATH: rows per second [by its column of time]"),
         ArrayOptions(array),
+        UnitOption(unit, {"deg", "rad", "counts", "share"},
+                   "unit of columns with the name of a channel alone, as index_mcp [deg]",
+                   {"--map"}),
+        TimeUnitOption(time_unit, {"--rate"}),
     };
   }
 
@@ -252,8 +258,14 @@ void RunLiveCommand(const LiveCommand& command) {
                      .problem = "needs a real glove: --glove udp:HOST:PORT or another"});
   }
   const bool is_file = glove_address && glove_address->kind == DeviceKind::kFile;
-  if (!is_file && (command.rate_hz > 0.0 || !command.array.empty())) {
-    throw UserError({.place = command.array.empty() ? "--rate" : "--topic " + Shown(command.array),
+  if (!glove_address && !command.unit.empty()) {
+    throw UserError({.place = "--unit " + command.unit,
+                     .problem = "needs a real glove: --glove udp:HOST:PORT or another"});
+  }
+  if (!is_file && (command.rate_hz > 0.0 || !command.array.empty() || !command.time_unit.empty())) {
+    throw UserError({.place = !command.array.empty()      ? "--topic " + Shown(command.array)
+                              : command.time_unit.empty() ? "--rate"
+                                                          : "--time-unit " + command.time_unit,
                      .problem = "needs a file as glove: --glove file:PATH"});
   }
   const bool drives_motors = motors_address && motors_address->kind != DeviceKind::kNone;
@@ -274,8 +286,9 @@ void RunLiveCommand(const LiveCommand& command) {
   std::unique_ptr<FrameSource> glove;
   std::unique_ptr<FrameSink> motors;
   if (glove_address) {
-    glove = OpenFrameSource(*glove_address,
-                            {.file_rate_hz = command.rate_hz, .file_array = command.array});
+    glove = OpenFrameSource(*glove_address, {.file_rate_hz = command.rate_hz,
+                                             .file_array = command.array,
+                                             .file_time_unit = command.time_unit});
     setup.source = glove.get();
     setup.names_may_follow = glove_address->kind == DeviceKind::kUdp;
     UseRealLink(setup.trial.links.config);
@@ -290,6 +303,7 @@ void RunLiveCommand(const LiveCommand& command) {
   setup.channels = {.glove = study.calibration,
                     .source = "--glove " + command.glove,
                     .map = command.map,
+                    .unit = command.unit,
                     .drives_motors = drives_motors};
   setup.seconds = command.seconds;
   const double motion_s = static_cast<double>(study.gloves.front()->true_angle_rad.rows()) /

@@ -58,9 +58,8 @@ Options RecordingArguments::Rows() {
       Option("--rate", &inspection.rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
              "rows per second of a file without a time [50]"),
       ArrayOptions(inspection.array),
-      Option("--unit", &inspection.joints.unit,
-             {.choices = {"deg", "rad", "counts", "share", "percent", "volts"}},
-             "unit of the sensors [by the file]"),
+      UnitOption(inspection.joints.unit, {"deg", "rad", "counts", "share", "percent", "volts"},
+                 "unit of the sensors [by the file]"),
       TimeUnitOption(inspection.time_unit),
       Option("--preset", &inspection.joints.preset, {.value = "NAME"},
              "profile of the device that wrote the file, as cyberglove22: gauntlet list profiles; "

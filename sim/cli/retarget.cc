@@ -45,6 +45,8 @@ struct RetargetOptions {
         Option("--rate", &format.rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
                "rows per second of a recording without times"),
         ArrayOptions(format.array),
+        UnitOption(format.unit, {"deg", "rad"}, "unit of angles whose names have none [deg]"),
+        TimeUnitOption(format.time_unit),
         Option("--side", &format.side, {.choices = {"left", "right"}},
                "the hand to take from keypoints of both"),
         Option("--touch-mm", &format.touch_mm, {.range = {1.0, 50.0}, .shows_default = true},

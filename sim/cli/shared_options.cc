@@ -106,6 +106,12 @@ Option TimeUnitOption(std::string& unit, std::vector<std::string> excludes) {
                 "unit of the time [by the file]");
 }
 
+Option UnitOption(std::string& unit, std::vector<std::string> units, const std::string& help,
+                  std::vector<std::string> excludes) {
+  return Option("--unit", &unit, {.choices = std::move(units), .excludes = std::move(excludes)},
+                help);
+}
+
 TerminalStyle StyleOf(const TerminalOptions& options) {
   const std::size_t width = TerminalWidth();
   const bool coloured_terminal = isatty(STDOUT_FILENO) != 0 && Environment("NO_COLOR").empty();

@@ -35,6 +35,9 @@ Options TopicPairOptions(std::string& command, std::string& state);
 
 /// --time-unit, for a column of numbers that is the time.
 Option TimeUnitOption(std::string& unit, std::vector<std::string> excludes = {});
+/// --unit, of columns whose names have none: one of `units`.
+Option UnitOption(std::string& unit, std::vector<std::string> units, const std::string& help,
+                  std::vector<std::string> excludes = {});
 
 /// How tables are printed, as asked for.
 struct TerminalOptions {

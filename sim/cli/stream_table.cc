@@ -165,15 +165,14 @@ StreamHead ReadHead(TextLines& lines, bool has_map) {
   return head;
 }
 
-StreamTable::StreamTable(const StreamHead& head, const std::string& map,
-                         const std::vector<std::string>& asked, const std::string& time_unit) {
+StreamTable::StreamTable(const StreamHead& head, const StreamColumns& given) {
   separator_ = head.layout.separator;
   columns_ = head.layout.columns;
   values_.resize(columns_);
-  if (map.empty()) {
-    ChooseColumns(head, asked, time_unit);
+  if (given.map.empty()) {
+    ChooseColumns(head, given);
   } else {
-    ApplyMap(head, map, asked);
+    ApplyMap(head, given.map, given.asked);
   }
 }
 
@@ -184,22 +183,20 @@ void StreamTable::AddChannel(std::size_t column, std::vector<ChannelValues::Part
 }
 
 /// `k`, the number of the sample, is no channel in the first column only.
-void StreamTable::ChooseColumns(const StreamHead& head, const std::vector<std::string>& asked,
-                                const std::string& time_unit) {
+void StreamTable::ChooseColumns(const StreamHead& head, const StreamColumns& given) {
+  const std::vector<std::string>& asked = given.asked;
+  hand_is_chosen_ = !given.hand.empty();
+  if (const auto column = HandColumn(head.layout)) hand_ = {*column, given.hand};
+  if (hand_is_chosen_ && !hand_) {
+    throw UserError({.place = "--hand " + given.hand,
+                     .problem = "standard input has no column that names the hand of each row"});
+  }
   std::vector<std::string> names;
   for (const std::string& name : head.names) names.emplace_back(Unquoted(name));
   names.resize(columns_);
   const std::vector<bool> is_asked = AskedColumns(names, asked);
-  time_ = TimeByName(kPlace, head.layout);
+  time_ = TimeByName(kPlace, head.layout, given.time_unit);
   std::erase_if(time_, [&](const TimeMapping& time) { return is_asked[time.column]; });
-  if (!time_unit.empty()) {
-    if (time_.empty()) {
-      throw UserError({.place = "--time-unit", .problem = "standard input has no column of time"});
-    }
-    for (TimeMapping& time : time_) {
-      if (!time.is_text) time.scale_s = SecondsPer(time_unit);
-    }
-  }
   const std::vector<std::size_t> aside = ColumnsAside(time_, head.layout);
   std::vector<ChannelValues::Parts> channels;
   for (std::size_t column = 0; column < columns_; ++column) {
@@ -218,6 +215,7 @@ void StreamTable::ChooseColumns(const StreamHead& head, const std::vector<std::s
     }
     const bool is_time = std::ranges::find(time_, column, &TimeMapping::column) != time_.end();
     if (TimeScaleS(name) || (IsSampleNumber(name) && column == 0)) continue;
+    if (hand_ && hand_->column == column) continue;
     if (is_time) {
       Say("gauntlet: standard input: {} is the time\n", Shown(name));
     } else if (asked.empty() && std::ranges::find(aside, column) != aside.end()) {
@@ -244,8 +242,14 @@ void StreamTable::ChooseColumns(const StreamHead& head, const std::vector<std::s
 void StreamTable::ApplyMap(const StreamHead& head, const std::string& map,
                            const std::vector<std::string>& asked) {
   const ColumnMap columns = ReadColumnMap(
-      map, RecordingColumns{.name = kPlace, .header = head.layout.names, .count = columns_});
+      map,
+      RecordingColumns{
+          .name = kPlace, .header = head.layout.names, .count = columns_, .may_choose_rows = true});
   time_ = columns.time;
+  hand_ = columns.hand;
+  const auto hand = HandColumn(head.layout);
+  if (!hand_ && hand) hand_ = {*hand, ""};
+  hand_is_chosen_ = columns.hand.has_value();
   const std::vector<std::string> names = AddMappedChannels(columns);
   KeepAsked(names, asked);
   if (head.names.empty()) return;
@@ -306,6 +310,22 @@ void StreamTable::Read(std::string_view line, std::size_t row) {
   if (fields_.size() != columns_) {
     Fail(row, fmt::format("has {} fields, must have {}", fields_.size(), columns_));
   }
+}
+
+/// Rows of both hands are two recordings: without a choice the first row decides, and the first of
+/// the other hand is a mistake.
+bool StreamTable::IsOfOtherHand() {
+  if (!hand_) return false;
+  const std::string side = HandInText(Unquoted(fields_[hand_->column]));
+  if (!hand_is_chosen_ && hand_->side.empty()) hand_->side = side;
+  if (side == hand_->side) return false;
+  if (!hand_is_chosen_ && !side.empty()) {
+    Fail(row_, hand_->column,
+         fmt::format("is of the {} hand, rows before of the {}; --hand left or --hand right takes "
+                     "one, or a map with the row {},{}",
+                     side, hand_->side, hand_->column + 1, side));
+  }
+  return hand_is_chosen_;
 }
 
 /// The text of a number with a decimal point.

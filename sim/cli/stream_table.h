@@ -32,33 +32,43 @@ bool IsRow(std::string_view line);
 /// Errors: UserError for an empty stream.
 StreamHead ReadHead(TextLines& lines, bool has_map);
 
+/// What a person says of the columns.
+struct StreamColumns {
+  std::string map = {};                 // column map; empty: columns as their names say
+  std::vector<std::string> asked = {};  // channels to filter; empty: all
+  std::string time_unit = {};           // of a column of numbers that is the time; empty: found
+  std::string hand = {};                // left or right; empty: all rows, which are of one hand
+};
+
 /// The table that runs through `gauntlet filter`, line by line: which columns are the time, which
 /// make channels, and which pass through.
 ///
 /// Without a map every column but the time is a channel, in its own unit. With one (see
 /// ReadColumnMap) the channels are those of the map, in degrees, each in the place of the first
 /// column that it is made of and called `NAME_deg`; all other columns pass through, and a first
-/// line of numbers is a row. `asked` names the channels to filter, without a map their columns by
-/// names or numbers from 1; empty: all. `time_unit` is that of a column of numbers that is the
-/// time; empty: by its name.
+/// line of numbers is a row. StreamColumns::asked has channels, without a map columns by names or
+/// numbers from 1.
 ///
-/// Errors: UserError `standard input:row:column: ...`, or of the map.
+/// Errors: UserError `standard input:row:column: ...`, or of the map; also for rows of both hands
+/// of which none is chosen.
 class StreamTable {
  public:
-  StreamTable(const StreamHead& head, const std::string& map, const std::vector<std::string>& asked,
-              const std::string& time_unit = {});
+  StreamTable(const StreamHead& head, const StreamColumns& given);
 
   /// The line that comes out first, with its end; empty if the stream has no header.
   std::string_view header() const { return header_; }
   /// Number of channels to filter.
   std::size_t channel_count() const { return filtered_.size(); }
   bool has_time() const { return !time_.empty(); }
+  const std::vector<TimeMapping>& time() const { return time_; }
   /// Seconds per unit of Time().
   double time_scale_s() const { return time_.front().scale_s; }
   std::size_t time_column() const { return time_.front().column; }
 
   /// Cuts the next line, the row `row` from 1, into cells. It must outlive their use.
   void Read(std::string_view line, std::size_t row);
+  /// True if the line is to be left out.
+  bool IsOfOtherHand();
   /// NaN if it is not to be read.
   double Time() const;
   /// The cell that Time() begins with.
@@ -82,8 +92,7 @@ class StreamTable {
     std::optional<std::size_t> channel = {};
   };
 
-  void ChooseColumns(const StreamHead& head, const std::vector<std::string>& asked,
-                     const std::string& time_unit);
+  void ChooseColumns(const StreamHead& head, const StreamColumns& given);
   void ApplyMap(const StreamHead& head, const std::string& map,
                 const std::vector<std::string>& asked);
   /// The channels of a map and the columns that pass through; returns the names of the channels.
@@ -97,6 +106,8 @@ class StreamTable {
   char separator_ = ',';
   std::size_t columns_ = 0;
   std::vector<TimeMapping> time_;  // its sum
+  std::optional<HandRows> hand_;   // without a side until a row names it
+  bool hand_is_chosen_ = false;
   ChannelValues channels_;
   std::vector<std::size_t> filtered_;  // of the channels
   std::vector<OutputCell> output_;

@@ -297,14 +297,15 @@ std::vector<EpisodeColumn> FindEpisodes(const TableLayout& layout) {
 
 }  // namespace
 
-ChainColumns FindChainColumns(const FoundTable& table, const std::string& map, double rate_hz) {
+ChainColumns FindChainColumns(const FoundTable& table, const std::string& map, double rate_hz,
+                              const std::string& time_unit) {
   const CsvReader& csv = table.reader;
   const std::vector<std::string>& names = table.layout.names;
   const bool has_names =
       std::ranges::any_of(names, [](const std::string& name) { return !name.empty(); });
   if (map.empty() && !has_names) csv.Fail(1, "the first line must name the columns, or --map");
   ChainColumns columns;
-  if (rate_hz == 0.0) columns.time = TimeByName(csv.name(), table.layout);
+  if (rate_hz == 0.0) columns.time = TimeByName(csv.name(), table.layout, time_unit);
   columns.episodes = FindEpisodes(table.layout);
   std::vector<PartColumn> bare;
   if (map.empty()) {

@@ -47,6 +47,6 @@ struct ChainColumns {
 /// Errors: UserError for a command without an angle, two columns for the same, or no time.
 /// `rate_hz` above 0: rows are even, and no column is the time.
 ChainColumns FindChainColumns(const FoundTable& table, const std::string& map = {},
-                              double rate_hz = 0.0);
+                              double rate_hz = 0.0, const std::string& time_unit = {});
 
 }  // namespace gauntlet::sim

@@ -124,7 +124,7 @@ EpisodeReader::EpisodeReader(const std::filesystem::path& file, const ChainLogOp
         FindTable(file.string(), *std::move(inputs.commands), ProblemHandling::kAllowMissing));
     columns_ = PairTopics(*commands_, table_, inputs.topics, remarks_);
   } else {
-    columns_ = FindChainColumns(table_, options.map, options.rate_hz);
+    columns_ = FindChainColumns(table_, options.map, options.rate_hz, options.time_unit);
   }
   marks_.assign(columns_.episodes.size(), kNaN);
   parts_ = columns_.commands;

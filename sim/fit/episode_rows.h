@@ -21,6 +21,7 @@ struct ChainLogOptions {
   std::string unit = {};            // of columns whose names have none: deg or rad
   std::optional<int> episode = {};  // the only one to read, of a log with several
   double rate_hz = 0.0;             // of even rows without a time; 0: by the time
+  std::string time_unit = {};       // of a column of numbers; empty: see TimeByName()
   std::string command = {};         // topics of a file of messages; empty: see FindTopicPair()
   std::string state = {};
 };

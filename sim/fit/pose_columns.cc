@@ -85,24 +85,43 @@ void PairUp(const CsvReader& csv, PoseColumns& columns) {
   columns.angles = std::move(ordered);
 }
 
-PoseColumns ColumnsByName(const FoundTable& table) {
+/// `index_mcp`, the name of a channel alone, in the unit that a person gave.
+bool AddInUnit(const std::string& name, std::size_t column, const std::string& unit,
+               PoseColumns& columns) {
+  const auto channels = KnownChannels();
+  if (unit.empty() || std::ranges::find(channels, name, &Channel::name) == channels.end()) {
+    return false;
+  }
+  if (unit == "deg" || unit == "rad") {
+    columns.angles.push_back({column, name, unit == "deg" ? 1.0 : kDegPerRad});
+  } else {
+    columns.counts.push_back({column, name});
+  }
+  return true;
+}
+
+PoseColumns ColumnsByName(const FoundTable& table, const PoseRecordingFormat& format) {
   const CsvReader& csv = table.reader;
   const std::vector<std::string>& names = table.layout.names;
   PoseColumns columns;
-  columns.time = TimeByName(csv.name(), table.layout);
+  columns.time = TimeByName(csv.name(), table.layout, format.time_unit);
   std::size_t first_unknown = 0;
   for (std::size_t column = 0; column < csv.column_count(); ++column) {
     const std::string& name = names[column];
-    if (IsTime(name, column, columns) || AddChannel(name, column, columns)) continue;
+    if (IsTime(name, column, columns) || AddChannel(name, column, columns) ||
+        AddInUnit(name, column, format.unit, columns)) {
+      continue;
+    }
     if (name.find('.') != std::string::npos) continue;  // another signal of a trace
     if (columns.unknown.empty()) first_unknown = column;
     columns.unknown.push_back(name);
   }
   if (columns.counts.empty() && !columns.unknown.empty()) {
-    csv.Fail(first_unknown + 1,
-             fmt::format("unknown column {}, must be a time (as t_s or time_ms), k, or a channel's "
-                         "name with _counts, _deg or _rad behind it; or --map says what it is",
-                         csv.Quoted(names[first_unknown])));
+    csv.Fail(
+        first_unknown + 1,
+        fmt::format("unknown column {}, must be a time (as t_s or time_ms), k, or a channel's "
+                    "name with _counts, _deg or _rad behind it; or --unit or --map says what it is",
+                    csv.Quoted(names[first_unknown])));
   }
   return columns;
 }
@@ -112,9 +131,12 @@ PoseColumns ColumnsByName(const FoundTable& table) {
 PoseColumns ColumnsByMap(const FoundTable& table, const std::string& file) {
   const CsvReader& csv = table.reader;
   const std::vector<std::string>& names = table.layout.names;
-  const ColumnMap map =
-      ReadColumnMap(file, {.name = csv.name(), .header = names, .count = table.layout.columns});
+  const ColumnMap map = ReadColumnMap(file, {.name = csv.name(),
+                                             .header = names,
+                                             .count = table.layout.columns,
+                                             .may_choose_rows = true});
   PoseColumns columns;
+  columns.hand = map.hand;
   columns.time = map.time;
   std::vector<bool> used(csv.column_count(), false);
   for (const TimeMapping& time : map.time) used[time.column] = true;
@@ -143,12 +165,13 @@ PoseColumns ColumnsByMap(const FoundTable& table, const std::string& file) {
 
 }  // namespace
 
-PoseColumns FindPoseColumns(const FoundTable& table, const std::string& map) {
+PoseColumns FindPoseColumns(const FoundTable& table, const PoseRecordingFormat& format) {
+  const std::string& map = format.map;
   const CsvReader& csv = table.reader;
   const bool has_names = std::ranges::any_of(table.layout.names,
                                              [](const std::string& name) { return !name.empty(); });
   if (map.empty() && !has_names) csv.Fail(1, "the first line must name the columns, or --map");
-  PoseColumns columns = map.empty() ? ColumnsByName(table) : ColumnsByMap(table, map);
+  PoseColumns columns = map.empty() ? ColumnsByName(table, format) : ColumnsByMap(table, map);
   if (columns.counts.empty()) csv.Fail(1, "there is no column of counts (as index_mcp_counts)");
   RejectRepeats(csv, columns.counts);
   RejectRepeats(csv, columns.angles);

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "sim/fit/pose_recording.h"
 #include "sim/recordings/column_map.h"
 #include "sim/tables/table_layout.h"
 
@@ -24,10 +26,11 @@ struct PoseColumns {
   std::vector<ChannelColumn> counts;
   std::vector<ChannelColumn> angles;  // in the order of `counts`; empty: no known angles
   std::vector<std::string> unknown;   // names of other ignored columns
+  std::optional<HandRows> hand;       // none: all rows
 };
 
-/// Finds the columns by their names, or by a column map.
+/// Finds the columns by their names, or by a column map, as of `format`.
 /// Errors: UserError `file:row:column: ...`.
-PoseColumns FindPoseColumns(const FoundTable& table, const std::string& map);
+PoseColumns FindPoseColumns(const FoundTable& table, const PoseRecordingFormat& format);
 
 }  // namespace gauntlet::sim

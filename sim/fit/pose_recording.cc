@@ -150,6 +150,7 @@ struct Rows {
   std::size_t count_in_file = 0;       // of all rows
   std::vector<std::size_t> distances;  // rows of the file between two rows with counts
   BeyondScale beyond_scale;
+  MidnightClock midnight;
 };
 
 /// Rows of the file per sample. A trace of a slow glove has rows between samples.
@@ -192,6 +193,7 @@ void ReadTime(const CsvReader& csv, const PoseColumns& columns, const std::vecto
   if (columns.time.empty()) return;
   double time_s = 0.0;
   for (const TimeMapping& time : columns.time) time_s += values[time.column] * time.scale_s;
+  time_s = rows.midnight.Add(time_s);
   const std::size_t place = columns.time.front().column + 1;
   if (std::isnan(time_s)) csv.Fail(place, "the time is missing");
   if (time_s <= rows.last_s) {
@@ -240,6 +242,7 @@ void RejectAnotherScale(const CsvReader& csv, const Rows& rows) {
 Rows ReadRows(CsvReader& csv, const PoseColumns& columns, double rate_hz,
               const PoseRecording& recording) {
   Rows rows;
+  rows.midnight = MidnightClock(columns.time);
   std::size_t last_whole = 0;  // newest row with all counts
   std::vector<double> values(csv.column_count());
   for (; csv.NextRow(values); ++rows.count_in_file) {
@@ -378,11 +381,12 @@ PoseRecording LoadPoseRecording(const std::filesystem::path& file,
   FoundTable table =
       FindTable(file.string(), TableSource(file, format.array), ProblemHandling::kAllowMissing);
   CsvReader& csv = table.reader;
-  const PoseColumns columns = FindPoseColumns(table, format.map);
+  const PoseColumns columns = FindPoseColumns(table, format);
   std::vector<std::size_t> used;
   for (const ChannelColumn& c : columns.counts) used.push_back(c.column);
   for (const ChannelColumn& c : columns.angles) used.push_back(c.column);
   ReadOnly(columns.time, used, csv);
+  if (columns.hand) KeepHand(*columns.hand, csv);
   PoseRecording recording;
   recording.name = OneLine(file.string());  // as results show it
   recording.columns_unknown = columns.unknown;

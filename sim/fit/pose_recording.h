@@ -49,9 +49,11 @@ struct PoseRecordingFormat {
   // largest value.
   std::vector<double> full_scale_counts = {1023.0};
   std::vector<double> min_counts = {0.0};
-  std::string array = {};               // of a file with arrays, see ListArrays()
-  std::string map = {};                 // column map; empty: columns by their names
-  std::string poses = {};               // table of known poses; empty: angles are columns
+  std::string array = {};      // of a file with arrays, see ListArrays()
+  std::string map = {};        // column map; empty: columns by their names
+  std::string unit = {};       // of NAME alone: counts, volts, deg or rad; empty: it is unknown
+  std::string time_unit = {};  // of a column of numbers; empty: found, see TimeByName()
+  std::string poses = {};      // table of known poses; empty: angles are columns
   std::vector<TimeStretch> still = {};  // the hand is still; empty: to be found
   /// Time from the last change of an angle until the pose counts.
   double settle_ms = 200.0;

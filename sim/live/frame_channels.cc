@@ -30,7 +30,8 @@ std::vector<std::size_t> ValueColumns(const DeviceColumns& columns) {
 
 /// By names of channels, as of a recording without a map; no channels if a column has another name.
 /// A column without a name beside others, as behind a separator at the end of a line, is left out.
-ColumnMap MapByNames(const DeviceColumns& columns, std::vector<std::size_t> values) {
+ColumnMap MapByNames(const DeviceColumns& columns, std::vector<std::size_t> values,
+                     const std::string& unit) {
   if (columns.names.size() != columns.count) return {};
   std::erase_if(values, [&](std::size_t column) { return columns.names[column].empty(); });
   if (values.empty()) return {};
@@ -42,7 +43,7 @@ ColumnMap MapByNames(const DeviceColumns& columns, std::vector<std::size_t> valu
   try {
     std::vector<std::string> left_out;
     map = MapByHeader(CsvReader("frames", TextSource(text), ProblemHandling::kStrict),
-                      ProblemHandling::kStrict, left_out);
+                      ProblemHandling::kStrict, left_out, unit.empty() ? "deg" : unit);
   } catch (const UserError&) {
     return {};  // other names, which say nothing
   }
@@ -105,7 +106,7 @@ void FrameChannels::ConfigureInOrder(const DeviceColumns& columns) {
 void FrameChannels::Configure(const DeviceColumns& columns) {
   version_ = columns.version;
   const ColumnMap map = config_.map.empty()
-                            ? MapByNames(columns, ValueColumns(columns))
+                            ? MapByNames(columns, ValueColumns(columns), config_.unit)
                             : ReadColumnMap(config_.map, RecordingColumns{.name = config_.source,
                                                                           .header = columns.names,
                                                                           .count = columns.count});

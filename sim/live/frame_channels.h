@@ -15,6 +15,8 @@ struct FrameChannelsConfig {
   controller::GloveCalibration glove;
   std::string source;  // of the frames, for messages
   std::string map;     // column map, or the name of a preset; empty: names or number of columns
+  std::string unit;    // of columns whose names have none: deg, rad, counts or share; empty: deg of
+                       // channels, counts of values in their order
   bool drives_motors = false;  // real ones: a map that assumes something is refused
 };
 

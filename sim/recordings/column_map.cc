@@ -47,9 +47,11 @@ std::optional<int> FindChannel(std::string_view name) {
 }
 
 /// True and part of the map if the name means something.
-bool AddByName(std::string_view name, std::size_t column, ColumnMap& map) {
+bool AddByName(std::string_view name, std::size_t column, std::string_view unit_without,
+               ColumnMap& map) {
   if (const auto channel = FindChannel(name)) {
-    map.channels.push_back({.column = column, .channel = *channel});
+    map.channels.push_back(
+        {.column = column, .channel = *channel, .unit = *FindUnit(unit_without)});
     return true;
   }
   if (std::ranges::find(map.time, column, &TimeMapping::column) != map.time.end()) return true;
@@ -351,6 +353,19 @@ std::string HandInText(std::string_view text) {
   return "";
 }
 
+std::optional<std::size_t> HandColumn(const TableLayout& layout) {
+  for (std::size_t c = 0; c < layout.columns; ++c) {
+    const bool names_hands =
+        KindOf(layout, c) == CellKind::kText &&
+        HasWordOf(WordsOf(layout.names[c]), "hand hands handedness side") &&
+        std::ranges::all_of(layout.rows, [c](const std::vector<std::string>& row) {
+          return !HandInText(row[c]).empty();
+        });
+    if (names_hands) return c;
+  }
+  return std::nullopt;
+}
+
 void KeepHand(const HandRows& hand, CsvReader& reader) {
   reader.KeepRows(hand.column,
                   [side = hand.side](std::string_view text) { return HandInText(text) == side; });
@@ -383,7 +398,7 @@ std::string AssumptionsOf(const ColumnMap& map) {
 }
 
 ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
-                      std::vector<std::string>& left_out) {
+                      std::vector<std::string>& left_out, std::string_view unit) {
   if (recording.header().empty()) {
     recording.Fail(1, "the first line must name the columns, or a column map must be given");
   }
@@ -398,7 +413,7 @@ ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
                                            .rows = rows});
   for (std::size_t column = 0; column < recording.column_count(); ++column) {
     const std::string& name = recording.header()[column];
-    if (AddByName(name, column, map)) continue;
+    if (AddByName(name, column, unit, map)) continue;
     if (GoesOn(handling)) {
       left_out.push_back(name);
       continue;

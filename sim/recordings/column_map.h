@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/tables/csv_reader.h"
+#include "sim/tables/table_layout.h"
 
 namespace gauntlet::sim {
 
@@ -77,12 +78,15 @@ void KeepHand(const HandRows& hand, CsvReader& reader);
 std::string AssumptionsOf(const ColumnMap& map);
 
 /// From the names in the file's header: a column of time (see TimeByName) or the name of a channel
-/// with the unit as a suffix (`index_mcp_rad`), without one degrees. `k`, the sample's number in a
-/// trace, is passed over. In a strict reading every column must be known; otherwise the unknown
-/// ones are reported and left out.
+/// with the unit as a suffix (`index_mcp_rad`), without one in `unit`: deg, rad, counts or share.
+/// `k`, the sample's number in a trace, is passed over. In a strict reading every column must be
+/// known; otherwise the unknown ones are reported and left out.
 /// Errors: UserError at the place in the recording.
 ColumnMap MapByHeader(const CsvReader& recording, ProblemHandling handling,
-                      std::vector<std::string>& left_out);
+                      std::vector<std::string>& left_out, std::string_view unit = "deg");
+
+/// The column of texts that name a hand in each of the first rows; none if there is no such one.
+std::optional<std::size_t> HandColumn(const TableLayout& layout);
 
 /// From a map file, or from a profile by its name or file: a text table like a recording (see
 /// CsvReader), with a header `column,channel` and any of the other keys.

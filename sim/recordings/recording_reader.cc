@@ -63,8 +63,8 @@ RecordingReader::RecordingReader(std::string name, TableInput input, const Recor
   for (const TimeMapping& time : map_.time) {
     used[time.column] = true;
     if (time.is_text) csv_->ReadAsTime(time.column);
-    if (time.is_text) midnight_ = MidnightClock(true);
   }
+  midnight_ = MidnightClock(map_.time);
   own_counts_ = OwnCountsOf(map_, format.nominal);
   for (const ColumnMapping& mapping : map_.channels) {
     used[mapping.column] = true;

@@ -224,6 +224,9 @@ TimeGuess GuessOf(std::size_t column, const std::string& name, double first, dou
 
 }  // namespace
 
+MidnightClock::MidnightClock(const std::vector<TimeMapping>& time)
+    : has_clock_(std::ranges::any_of(time, &TimeMapping::is_text)) {}
+
 double MidnightClock::Add(double time_s) {
   constexpr double kDay_s = 86400.0;
   constexpr double kNearly_s = 82800.0;
@@ -302,20 +305,28 @@ TimeGuess TimeOfMap(const std::vector<TimeMapping>& time) {
   return guess;
 }
 
-std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& layout) {
+std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& layout,
+                                    const std::string& unit) {
   std::vector<TimeMapping> time;
-  const TimeGuess guess = GuessTime(layout);
+  const TimeGuess guess = GuessTime(layout, unit);
   if (guess.is_named && !guess.question.empty()) {
-    throw UserError({.place = file,
-                     .problem = guess.question + "; call it time_s, time_ms, time_us or time_ns"});
+    throw UserError(
+        {.place = file,
+         .problem = guess.question +
+                    "; call it time_s, time_ms, time_us or time_ns, or give --time-unit"});
   }
   for (const TimePart& part : guess.parts) {
-    if (!guess.is_named) break;
+    if (!guess.is_named && unit.empty()) break;
     time.push_back({part.column, SecondsPer(part.unit), part.unit == "date"});
   }
   for (std::size_t c = 0; time.empty() && c < layout.columns; ++c) {
     const auto scale_s = TimeScaleS(layout.names[c]);
-    if (scale_s) time.push_back({c, *scale_s, KindOf(layout, c) == CellKind::kTime});
+    if (!scale_s) continue;
+    const bool is_text = KindOf(layout, c) == CellKind::kTime;
+    time.push_back({c, unit.empty() || is_text ? *scale_s : SecondsPer(unit), is_text});
+  }
+  if (!unit.empty() && time.empty()) {
+    throw UserError({.place = "--time-unit", .problem = file + " has no column of time"});
   }
   return time;
 }

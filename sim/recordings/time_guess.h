@@ -32,6 +32,7 @@ class MidnightClock {
  public:
   MidnightClock() = default;  // of times that are no clocks: they stay as they are
   explicit MidnightClock(bool has_clock) : has_clock_(has_clock) {}
+  explicit MidnightClock(const std::vector<TimeMapping>& time);
   double Add(double time_s);
   int midnights() const { return midnights_; }
 
@@ -50,8 +51,12 @@ TimeGuess GuessTime(const TableLayout& layout, const std::string& unit = {});
 TimeGuess TimeOfMap(const std::vector<TimeMapping>& time);
 /// The time of a table whose columns are known by their names: that of GuessTime(), unless it is
 /// found by its values alone. Else the first column with a name of TimeScaleS(). Empty: none.
-/// Errors: UserError in `file` for a column of time whose unit is a question.
-std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& layout);
+/// `unit`: of a column of numbers, as a person gave it (--time-unit); empty: found. With it, a time
+/// may be found by its values.
+/// Errors: UserError in `file` for a column of time whose unit is a question, and for a unit without
+/// a time.
+std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& layout,
+                                    const std::string& unit = {});
 /// Columns of whole numbers that rise in the first rows as this time does, in s, ms or us: clocks
 /// beside it, as millis() behind the clock of a serial monitor.
 std::vector<std::size_t> ClocksBeside(const std::vector<TimeMapping>& time,

@@ -26,11 +26,12 @@ struct AngleColumn {
   bool has_unit = false;
 };
 
-AngleColumn ColumnOf(std::string_view name) {
+/// `unit`: of a name without one; empty: not given.
+AngleColumn ColumnOf(std::string_view name, std::string_view unit) {
   if (name.ends_with("_deg"))
     return {std::string(name.substr(0, name.size() - 4)), kRadPerDeg, true};
   if (name.ends_with("_rad")) return {std::string(name.substr(0, name.size() - 4)), 1.0, true};
-  return {std::string(name)};
+  return {std::string(name), unit == "rad" ? 1.0 : kRadPerDeg, !unit.empty()};
 }
 
 std::optional<std::size_t> PlaceOf(const std::vector<HandJoint>& joints, const std::string& name) {
@@ -54,8 +55,8 @@ void CheckUnit(const MotionTable& table, const std::vector<AngleColumn>& columns
   if (first.empty() || largest == 0.0 || largest > kMostRadians) return;
   throw UserError({.place = table.file,
                    .key = Shown(first),
-                   .problem = fmt::format("no angle is above {:.3g}, so these may be radians: name "
-                                          "the columns {}_rad or {}_deg",
+                   .problem = fmt::format("no angle is above {:.3g}, so these may be radians: "
+                                          "--unit rad or --unit deg, or name them {}_rad or {}_deg",
                                           largest, first, first)});
 }
 
@@ -82,13 +83,12 @@ FingertipMotion FingertipsOfAngles(const std::filesystem::path& recording, HandK
   const auto is_other = [&format](const std::string& name) {
     return std::ranges::count(format.copied, name) > 0;
   };
-  const MotionTable table =
-      LoadMotionTable(recording, format.array, format.rate_hz, [&](std::string_view name) {
-        const std::string joint = ColumnOf(name).joint;
-        return PlaceOf(hand.joints(), joint).has_value() || is_other(joint);
-      });
+  const MotionTable table = LoadMotionTable(recording, format, [&](std::string_view name) {
+    const std::string joint = ColumnOf(name, format.unit).joint;
+    return PlaceOf(hand.joints(), joint).has_value() || is_other(joint);
+  });
   std::vector<AngleColumn> columns;
-  for (const std::string& name : table.columns) columns.push_back(ColumnOf(name));
+  for (const std::string& name : table.columns) columns.push_back(ColumnOf(name, format.unit));
   FingertipMotion motion;
   motion.file = table.file;
   motion.hand = hand.file();

@@ -38,10 +38,12 @@ struct FingertipMotion {
 
 /// How a recording of fingertips is read.
 struct FingertipFormat {
-  double rate_hz = 0.0;    // of a file without times; 0: it has them
-  std::string array = {};  // of a file with several, or a topic; empty: by size
-  double touch_mm = 15.0;  // distance of two tips whose pads touch, where no shape tells it
-  std::string side = {};   // left or right, of a file with keypoints of both hands
+  double rate_hz = 0.0;        // of a file without times; 0: it has them
+  std::string array = {};      // of a file with several, or a topic; empty: by size
+  double touch_mm = 15.0;      // distance of two tips whose pads touch, where no shape tells it
+  std::string side = {};       // left or right, of a file with keypoints of both hands
+  std::string unit = {};       // deg or rad, of angles whose names have none; empty: not given
+  std::string time_unit = {};  // of a column of numbers; empty: found, see TimeByName()
   std::vector<std::string> copied = {};  // joints of the other hand whose angles are copied
 };
 

@@ -81,9 +81,8 @@ FingertipMotion FingertipsOfKeypoints(const std::filesystem::path& recording,
     has_radii = has_radii && radius.has_value();
     if (radius) wanted.insert(names[*radius]);
   }
-  const MotionTable table =
-      LoadMotionTable(recording, format.array, format.rate_hz,
-                      [&](std::string_view name) { return wanted.contains(name); });
+  const MotionTable table = LoadMotionTable(
+      recording, format, [&](std::string_view name) { return wanted.contains(name); });
   if (table.columns.size() != wanted.size()) {
     throw UserError({.place = table.file, .problem = "has two columns of one name"});
   }

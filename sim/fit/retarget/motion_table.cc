@@ -14,11 +14,11 @@
 
 namespace gauntlet::sim {
 
-MotionTable LoadMotionTable(const std::filesystem::path& file, const std::string& array,
-                            double rate_hz,
+MotionTable LoadMotionTable(const std::filesystem::path& file, const FingertipFormat& format,
                             const std::function<bool(std::string_view column)>& is_wanted) {
+  const double rate_hz = format.rate_hz;
   FoundTable found =
-      FindTable(file.string(), StoredTable(file, array), ProblemHandling::kAllowMissing);
+      FindTable(file.string(), StoredTable(file, format.array), ProblemHandling::kAllowMissing);
   CsvReader& csv = found.reader;
   const std::vector<std::string>& names = found.layout.names;
   if (!found.layout.has_header) {
@@ -27,7 +27,7 @@ MotionTable LoadMotionTable(const std::filesystem::path& file, const std::string
   MotionTable table;
   table.file = file.string();
   std::vector<TimeMapping> time;
-  if (rate_hz == 0.0) time = TimeByName(csv.name(), found.layout);
+  if (rate_hz == 0.0) time = TimeByName(csv.name(), found.layout, format.time_unit);
   std::erase_if(time, [&](const TimeMapping& part) { return is_wanted(names[part.column]); });
   if (time.empty() && rate_hz == 0.0) {
     csv.FailInRow(1, 1, "has no column of time (as time_s); --rate tells the rows per second");
@@ -45,11 +45,13 @@ MotionTable LoadMotionTable(const std::filesystem::path& file, const std::string
       if (!TimeScaleS(names[i]) && !IsSampleNumber(names[i])) table.ignored.push_back(names[i]);
     }
   }
+  MidnightClock midnight(time);
   std::vector<double> row(names.size());
   std::vector<double> values;
   while (csv.NextRow(row)) {
     double time_s = time.empty() ? static_cast<double>(table.time_s.size()) / rate_hz : 0.0;
     for (const TimeMapping& part : time) time_s += part.scale_s * row[part.column];
+    time_s = midnight.Add(time_s);
     if (!std::isfinite(time_s)) csv.Fail(time.front().column + 1, "the time is missing");
     if (!table.time_s.empty() && !(time_s > table.time_s.back())) {
       csv.Fail(time.front().column + 1,

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/fit/retarget/fingertip_motion.h"
+
 namespace gauntlet::sim {
 
 /// Columns of a recording as they are in the file, by name.
@@ -19,11 +21,10 @@ struct MotionTable {
 };
 
 /// Reads the columns of which `is_wanted` is true. Times are from columns of time (TimeByName), or
-/// from `rate_hz` where that is above 0. `array`: see StoredTable().
+/// from the rate of `format` where that is above 0.
 /// Errors: UserError with file, row and column, if there are no names or no times, or if a time is
 /// missing or does not rise.
-MotionTable LoadMotionTable(const std::filesystem::path& file, const std::string& array,
-                            double rate_hz,
+MotionTable LoadMotionTable(const std::filesystem::path& file, const FingertipFormat& format,
                             const std::function<bool(std::string_view column)>& is_wanted);
 
 }  // namespace gauntlet::sim

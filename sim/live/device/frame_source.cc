@@ -41,7 +41,7 @@ class RecordingSource : public FrameSource {
     columns_.version = 1;
     const auto number = std::ranges::find_if(layout.names, IsSampleNumber);
     if (number != layout.names.end()) columns_.number = number - layout.names.begin();
-    columns_.time = TimeByName(table_.reader.name(), layout);
+    columns_.time = TimeByName(table_.reader.name(), layout, options.file_time_unit);
     for (const TimeMapping& time : columns_.time) {
       if (time.is_text) table_.reader.ReadAsTime(time.column);
     }

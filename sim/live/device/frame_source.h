@@ -11,9 +11,10 @@ namespace gauntlet::sim {
 
 /// Settings of a source that are no part of its address.
 struct SourceOptions {
-  double file_rate_hz = 0.0;    // rows per second of a file; 0: by its time column
-  bool is_paced = true;         // rows of a file come at their times; false: at once
-  std::string file_array = {};  // of a file with arrays or topics: see TableSource()
+  double file_rate_hz = 0.0;        // rows per second of a file; 0: by its time column
+  bool is_paced = true;             // rows of a file come at their times; false: at once
+  std::string file_array = {};      // of a file with arrays or topics: see TableSource()
+  std::string file_time_unit = {};  // of its column of time, if that is of numbers; empty: found
 };
 
 /// Frames of a device. One thread owns a source and calls all its functions.

@@ -197,10 +197,8 @@ std::optional<ColumnMap> MapOf(const Inspection& inspection, const std::string& 
 
 /// The rows of the hand that a person asks for, if a column has it.
 std::optional<HandRows> HandOf(const Inspection& inspection, const std::string& side) {
-  for (std::size_t c = 0; !side.empty() && c < inspection.columns.size(); ++c) {
-    if (inspection.NamesHands(c)) return HandRows{c, side};
-  }
-  return std::nullopt;
+  const auto column = side.empty() ? std::nullopt : HandColumn(inspection.layout);
+  return column ? std::optional(HandRows{*column, side}) : std::nullopt;
 }
 
 /// Leaves out the rows of the other hand.
@@ -639,14 +637,6 @@ std::vector<std::size_t> Inspection::Sensors() const {
     if (columns[c].is_sensor) sensors.push_back(c);
   }
   return sensors;
-}
-
-bool Inspection::NamesHands(std::size_t column) const {
-  return columns[column].kind == CellKind::kText &&
-         HasWordOf(WordsOf(columns[column].name), "hand hands handedness side") &&
-         std::ranges::all_of(layout.rows, [column](const std::vector<std::string>& row) {
-           return !HandInText(row[column]).empty();
-         });
 }
 
 bool Inspection::HasAngles() const {

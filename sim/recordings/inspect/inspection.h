@@ -95,8 +95,6 @@ struct Inspection {
   std::vector<std::size_t> MappedColumns() const;
   /// Sensors of the hand, dead ones included.
   std::vector<std::size_t> Sensors() const;
-  /// True for a column of texts that names a hand in each of the first rows.
-  bool NamesHands(std::size_t column) const;
   /// True if the sensors are angles.
   bool HasAngles() const;
   /// Degrees per unit of these angles.

@@ -331,7 +331,7 @@ std::string AlternatingQuestion(const Inspection& inspection, std::span<const Ro
     if (!group.Alternate() && !(names_hands && group.count() == 2)) continue;
     return fmt::format("rows of {} hands or devices{} (column {} '{}'); {}", group.count(),
                        group.Alternate() ? " alternate" : "", group.column() + 1, OneLine(name, 20),
-                       inspection.NamesHands(group.column())
+                       HandColumn(inspection.layout) == group.column()
                            ? "--hand left or --hand right takes one"
                            : "keep those of one in a file");
   }
