@@ -32,7 +32,7 @@ bool IsRow(std::string_view line);
 /// Errors: UserError for an empty stream.
 StreamHead ReadHead(TextLines& lines, bool has_map);
 
-/// What a person says of the columns.
+/// Choices of a person about the columns of a stream.
 struct StreamColumns {
   std::string map = {};                 // column map; empty: columns as their names say
   std::vector<std::string> asked = {};  // channels to filter; empty: all

@@ -105,6 +105,19 @@ bool AreTooSmall(const JointValues& values, double largest) {
          (largest == kLargestByte || !values.is_whole);
 }
 
+/// True for whole numbers in motion where rows of the profile have fractions: raw bytes under the
+/// names of angles, as drivers publish both.
+bool AreBytes(const JointValues& values, const Profile& profile) {
+  constexpr double kMotion = 20.0;
+  if (!values.is_whole || values.low < 0.0 || values.widest < kMotion) return false;
+  const auto lines = SplitLines(profile.example);
+  if (lines.empty()) return false;
+  const auto cells = SplitCells(lines.back());
+  const auto fractions = std::ranges::count_if(
+      cells, [](std::string_view cell) { return cell.find('.') != cell.npos; });
+  return 2 * fractions > std::ssize(cells);
+}
+
 }  // namespace
 
 void ProfileMatch::Visit(controller::SettingsVisitor& visitor) {
@@ -137,16 +150,18 @@ std::optional<OtherValues> ValuesAgainst(const Profile& profile, const ProfileFa
   const ProfileMatch& match = profile.match;
   const JointValues values = ValuesOf(profile, table);
   if (!(values.low <= values.high)) return std::nullopt;
+  bool are_bytes = false;
   bool is_against = match.whole && !values.is_whole;
   if (!match.values.empty()) {
     const double largest = ReachOf(match.values.front(), match.values.back());
-    const bool is_judged = !match.names.empty() && table.duration_s >= kEnough_s;
+    const bool is_judged = table.duration_s >= kEnough_s;
     is_against = is_against || !IsWithin(values.low, match.values) ||
                  !IsWithin(values.high, match.values) ||
                  (is_judged && AreTooSmall(values, largest));
+    are_bytes = is_judged && AreBytes(values, profile);
   }
-  if (!is_against) return std::nullopt;
-  return OtherValues{values.low, values.high};
+  if (!is_against && !are_bytes) return std::nullopt;
+  return OtherValues{values.low, values.high, are_bytes};
 }
 
 ProfileEvidence EvidenceFor(const Profile& profile, const ProfileFacts& table) {

@@ -53,9 +53,11 @@ struct ProfileFacts {
 struct OtherValues {
   double low = 0.0;
   double high = 0.0;
+  bool are_bytes = false;  // whole numbers where rows of the profile have fractions
 };
 /// Range of the joints of a profile if it is not the profile's: values are beyond it, or over a
-/// second or more so small that another unit is as likely. Angles below 7 deg may be radians.
+/// second or more so small that another unit is as likely, or whole numbers where the profile's
+/// rows have fractions. Angles below 7 deg may be radians.
 std::optional<OtherValues> ValuesAgainst(const Profile& profile, const ProfileFacts& table);
 
 /// Evidence that a table is of a profile.

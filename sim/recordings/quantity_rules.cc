@@ -147,8 +147,9 @@ constexpr QuantityRule kRules[] = {
     {"mrad_by_name", kSensor, Unit::kMilliradians, false, "mrad milliradian milliradians", Any,
      "the names say thousandths of radians", "suffixes of column names"},
     {"other_unit", kSensor, Unit::kUnknown, false,
-     "ohm ohms kohm mohm ph pf nf uf farad siemens us mdeg cdeg ddeg grad gon rev revs", Any,
-     "in a unit by their names whose angles are unknown", "resistances of flex sensors"},
+     "ohm ohms kohm mohm resistance resistances ph pf nf uf farad capacitance siemens us mdeg cdeg "
+     "ddeg grad gon rev revs turns revolutions cos cosine sin sine tan",
+     Any, "in a unit by their names whose angles are unknown", "resistances of flex sensors"},
     {"volts_by_name", kSensor, Unit::kVolts, false, "v volt volts voltage mv", Any,
      "the names say volts", "suffixes of column names"},
     {"counts_by_name", kSensor, Unit::kCounts, false, "counts count adc raw", IsNotNegative,

@@ -351,8 +351,10 @@ std::vector<std::size_t> ClocksBeside(const std::vector<TimeMapping>& time,
   for (std::size_t c = 0; c < layout.columns; ++c) {
     const std::vector<double> values = ValuesOf(layout, c);
     const bool is_time = std::ranges::find(time, c, &TimeMapping::column) != time.end();
+    const bool is_whole =
+        std::ranges::all_of(values, [](double value) { return value == std::round(value); });
     if (is_time || values.size() < times_s.size() || StepsOf(values).forward_share < 1.0 ||
-        !std::ranges::all_of(values, [](double value) { return value == std::round(value); })) {
+        (!is_whole && !MayBeTime(layout.names[c]))) {
       continue;
     }
     const double range = values.back() - values.front();

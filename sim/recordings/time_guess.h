@@ -57,8 +57,8 @@ TimeGuess TimeOfMap(const std::vector<TimeMapping>& time);
 /// a time.
 std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& layout,
                                     const std::string& unit = {});
-/// Columns of whole numbers that rise in the first rows as this time does, in s, ms or us: clocks
-/// beside it, as millis() behind the clock of a serial monitor.
+/// Columns of whole numbers, or with the name of a time, that rise in the first rows as this time
+/// does, in s, ms or us: clocks beside it, as millis() behind the clock of a serial monitor.
 std::vector<std::size_t> ClocksBeside(const std::vector<TimeMapping>& time,
                                       const TableLayout& layout);
 /// Columns of numbers of rows, labels and other times, by their names, and ClocksBeside().

@@ -163,15 +163,33 @@ void AddTimes(const std::vector<NamedArray>& arrays, std::size_t rows,
   for (const std::size_t i : times) listed[i].is_taken = !has_own || is_of_group(i);
 }
 
-/// Errors: UserError if several cells of one cell array are marked.
-void CheckCells(const std::vector<NamedArray>& arrays, const std::vector<ListedArray>& listed) {
+/// Errors: UserError if several cells of one cell array are marked, or one of several that only
+/// differ in their number of rows.
+void CheckCells(const std::vector<NamedArray>& arrays, const std::vector<ListedArray>& before,
+                const std::vector<ListedArray>& listed) {
+  constexpr std::size_t kFewestRows = 10;  // of a recording
+  const auto is_like_a_marked_one = [&](std::size_t other) {
+    for (std::size_t i = 0; i < arrays.size(); ++i) {
+      const NamedArray& array = arrays[i];
+      if (listed[i].is_taken && array.cells_of == arrays[other].cells_of &&
+          array.columns == arrays[other].columns &&
+          array.name.substr(std::min(array.name.size(), array.cell.size())) ==
+              arrays[other].name.substr(
+                  std::min(arrays[other].name.size(), arrays[other].cell.size()))) {
+        return true;
+      }
+    }
+    return false;
+  };
   struct Cells {
     std::set<std::string> names;
     std::vector<ListedArray> arrays;
   };
   std::map<std::string, Cells> cells;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
-    if (!listed[i].is_taken || arrays[i].cells_of.empty()) continue;
+    if (arrays[i].cells_of.empty() || !before[i].is_taken) continue;
+    const bool is_alike = RowsOf(arrays[i]) >= kFewestRows && is_like_a_marked_one(i);
+    if (!listed[i].is_taken && !is_alike) continue;
     Cells& of = cells[arrays[i].cells_of];
     of.names.insert(arrays[i].cell);
     of.arrays.push_back(listed[i]);
@@ -179,8 +197,8 @@ void CheckCells(const std::vector<NamedArray>& arrays, const std::vector<ListedA
   for (const auto& [name, of] : cells) {
     if (of.names.size() < 2) continue;
     const bool is_array = of.arrays.size() == of.names.size();
-    throw UserError(fmt::format("has {} cells in {}: {}; --array {} takes one", of.names.size(),
-                                OneLine(name, 60), TextOf(of.arrays),
+    throw UserError(fmt::format("has {} recordings in {}: {}; --array {} takes one",
+                                of.names.size(), OneLine(name, 60), TextOf(of.arrays),
                                 is_array ? "NAME" : OneLine(*of.names.begin(), 60)));
   }
 }
@@ -228,8 +246,9 @@ std::vector<ListedArray> Listed(const std::vector<NamedArray>& arrays,
         {.name = array.name, .rows = array.rows, .columns = array.columns, .is_taken = true});
   }
   if (!chosen.empty()) MarkChosen(arrays, chosen, listed);
+  const std::vector<ListedArray> before = listed;
   const std::size_t rows = KeepMostRows(arrays, left_out, listed);
-  CheckCells(arrays, listed);
+  CheckCells(arrays, before, listed);
   if (!chosen.empty()) AddTimes(arrays, rows, listed);
   return listed;
 }
@@ -279,16 +298,18 @@ std::string UnitIn(const NamedArray& texts) {
   return unit == "deg" || unit == "degree" || unit == "degrees" ? "deg" : "";
 }
 
-/// Numbers the points of hands in the names of columns: three coordinates of 21 to 27 points, of
-/// one or more hands.
+/// Numbers the points of hands in the names of columns: two or three coordinates of 21 to 27
+/// points, of one or more hands.
 void NamePoints(NamedArray& array, const std::vector<std::size_t>& shape,
                 const std::vector<std::size_t>& axes) {
   const auto size = [&](std::size_t from_end) { return shape[axes[axes.size() - from_end]]; };
-  if (shape.size() < 3 || shape.size() > 4 || size(1) != 3 || size(2) < 21 || size(2) > 27) return;
+  if (shape.size() < 3 || shape.size() > 4 || size(2) < 21 || size(2) > 27) return;
+  const std::size_t coordinates = size(1);
+  if (coordinates != 3 && (coordinates != 2 || size(2) != 21)) return;
   const std::size_t hands = shape.size() == 4 ? size(3) : 1;
   for (std::size_t i = 0; i < hands * size(2); ++i) {
     const std::string hand = hands > 1 ? fmt::format("_{}", i / size(2) + 1) : "";
-    for (const char axis : {'x', 'y', 'z'}) {
+    for (const char axis : std::string_view("xyz").substr(0, coordinates)) {
       array.column_names.push_back(
           fmt::format("{}{}_{}_{}", array.name, hand, i % size(2) + 1, axis));
     }

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "sim/base/csv_line.h"
@@ -16,6 +17,7 @@
 #include "sim/base/json.h"
 #include "sim/tables/missing.h"
 #include "sim/tables/name_words.h"
+#include "sim/tables/time_columns.h"
 #include "sim/tables/time_text.h"
 
 namespace gauntlet::sim {
@@ -198,31 +200,78 @@ class RowCollector {
   std::map<std::string, std::vector<double>> columns_;
 };
 
-/// True for a list of objects that each have a list of rows, longer than the list itself: persons
-/// with frames, say.
+/// True for a list of objects of which one has a list of rows, or of times, longer than the list
+/// itself: persons with frames, say, some of them with few or none.
 bool AreTables(const Json& list) {
   constexpr std::size_t kFewestRows = 10;
   const std::size_t fewest = std::max(kFewestRows, 2 * list.size());
-  return !list.empty() && std::ranges::all_of(list, [&](const Json& item) {
-    return item.is_object() && std::ranges::any_of(item, [&](const Json& part) {
-             return part.is_array() && part.size() >= fewest && part.front().is_structured();
-           });
-  });
+  const auto has_table = [&](const Json& item) {
+    if (!item.is_object()) return false;
+    for (const auto& [key, part] : item.items()) {
+      const bool is_long = part.is_array() && part.size() >= fewest;
+      if (is_long && (part.front().is_structured() || TimeScaleS(key))) return true;
+    }
+    return false;
+  };
+  return std::ranges::all_of(list, &Json::is_object) && std::ranges::any_of(list, has_table);
+}
+
+/// Arrays of one part of a file: those from `first` on, up to the next part.
+struct Part {
+  std::string name;
+  std::size_t first = 0;
+};
+
+/// Parts with the same arrays in different lengths are recordings of their own, of which a person
+/// chooses one: the cells of `path`.
+void MarkRecordings(const std::string& path, const std::vector<Part>& parts,
+                    std::vector<NamedArray>& arrays) {
+  std::map<std::set<std::string>, std::vector<std::size_t>> parts_of;  // by names of arrays
+  std::vector<std::size_t> lengths(parts.size(), 0);
+  const auto end_of = [&](std::size_t i) {
+    return i + 1 < parts.size() ? parts[i + 1].first : arrays.size();
+  };
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    std::set<std::string> names;
+    for (std::size_t a = parts[i].first; a < end_of(i); ++a) {
+      if (arrays[a].rows < 2) continue;
+      names.insert(arrays[a].name.substr(parts[i].name.size()));
+      lengths[i] = arrays[a].rows;
+    }
+    if (!names.empty()) parts_of[names].push_back(i);
+  }
+  for (const auto& [names, alike] : parts_of) {
+    const auto is_other = [&](std::size_t i) { return lengths[i] != lengths[alike.front()]; };
+    if (std::ranges::none_of(alike, is_other)) continue;
+    for (const std::size_t i : alike) {
+      for (std::size_t a = parts[i].first; a < end_of(i); ++a) {
+        arrays[a].cell = parts[i].name;
+        arrays[a].cells_of = path.empty() ? "the file" : path;
+      }
+    }
+  }
 }
 
 void Collect(const std::string& path, const Json& value, int depth,
              std::vector<NamedArray>& arrays) {
   if (depth > kDeepest) throw UserError("is nested too deeply");
+  std::vector<Part> parts;
+  const auto collect = [&](const std::string& name, const Json& part) {
+    parts.push_back({name, arrays.size()});
+    Collect(name, part, depth + 1, arrays);
+  };
   if (value.is_object()) {
-    for (const auto& [key, part] : value.items()) Collect(Join(path, key), part, depth + 1, arrays);
+    for (const auto& [key, part] : value.items()) collect(Join(path, key), part);
+    MarkRecordings(path, parts, arrays);
   } else if (value.is_array() && AreTables(value)) {
     const std::vector<std::string> hands = HandsOf(value, nullptr);
     for (std::size_t i = 0; i < value.size(); ++i) {
       const std::string name = !hands.empty()      ? hands[i]
                                : value.size() == 1 ? ""
                                                    : std::to_string(i + 1);
-      Collect(name.empty() ? path : Join(path, name), value[i], depth + 1, arrays);
+      collect(name.empty() ? path : Join(path, name), value[i]);
     }
+    MarkRecordings(path, parts, arrays);
   } else if (value.is_array()) {
     RowCollector rows;
     for (const Json& row : value) rows.AddRow(row);

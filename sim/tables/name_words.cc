@@ -173,6 +173,7 @@ bool NamesParts(std::string_view name) {
 bool IsSensorWord(std::string_view word) {
   return IsWordOf(
       "flex bend bending glove finger fingers hand sensor sensors sens s ch chan channel channels "
+      "enc encoder encoders hall pot pots potentiometer "
       "adc a f v val value values raw norm normalized normalised data analog volt volts count "
       "counts deg degree degrees rad radian radians angle angles cyberglove dataglove cal "
       "calibrated filtered abc",

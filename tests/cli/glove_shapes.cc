@@ -1158,6 +1158,62 @@ void AddUnits(Shapes& shapes) {
   right("_mrad", 1e3 * kPi / 180.0, "mrad", 0.0);
 }
 
+/// Names that say more than the joint: a direction, a function, a tip; and values that are not
+/// those of the profile that is named.
+void AddContradictions(Shapes& shapes) {
+  const auto ask = [&](const char* name, const std::string& text, const char* question) {
+    shapes.push_back({name, text});
+    shapes.back().question = question;
+  };
+  const auto fingers = [](const std::string& word, const std::function<Formula(int)>& value) {
+    Table table;
+    table.Add("time", Clock(0.02));
+    for (int i = 0; i < 5; ++i) table.Add(kFingers[i] + word, value(i));
+    return table;
+  };
+  constexpr const char* kOpening = "columns 2 to 6 rise as the finger opens, by their names";
+  ask("opening_percent", fingers("_openness", Degrees).Text(), kOpening);
+  ask("opening_deg", fingers("_extension_deg", Degrees).Text(), kOpening);
+  constexpr const char* kOtherUnit = "in a unit by their names whose angles are unknown";
+  const auto cosines = [](int sensor) {
+    return [=](int row) { return std::cos(AngleDeg(row, sensor) * kPi / 180.0); };
+  };
+  const auto turns = [](int sensor) {
+    return [=](int row) { return AngleDeg(row, sensor) / 360.0; };
+  };
+  ask("unit_cosines", fingers("_pip_cos", cosines).Text(), kOtherUnit);
+  ask("unit_turns", fingers("_pip_turns", turns).Text(), kOtherUnit);
+  ask("unit_resistance",
+      fingers("_resistance", [](int sensor) { return Counts(sensor, 4e4); }).Text(), kOtherUnit);
+  shapes.push_back({"tips", fingers("_tip_deg", Degrees).Text(), 50, "deg"});
+  for (std::size_t i = 0; i < 5; ++i) {
+    shapes.back().joints[kFingers[i] + "_tip_deg"] = kFingers[i] + (i == 0 ? "_ip" : "_dip");
+  }
+  Table encoders;
+  encoders.Add("time_s", Clock(0.02));
+  for (int i = 0; i < 16; ++i) encoders.Add(fmt::format("enc{}", i), Counts(i, 4095));
+  ask("number_encoders", encoders.Text(), "16 sensors [counts], whose joints are unknown");
+  Table pairs;  // as Delsys writes a clock for each sensor
+  for (int i = 1; i <= 2; ++i) {
+    pairs.Add(i == 1 ? "X [s]" : "X [s].1", Clock(0.001));
+    pairs.Add(fmt::format("Avanti sensor {}: EMG {} [V]", i, i),
+              [i](int row) { return 1e-4 * Noise(row, i); });
+  }
+  ask("muscles_own_clocks", pairs.Text(), "columns 2, 4: activities of muscles");
+  ask("preset_deg", fingers("_a", Degrees).Text(),
+      "where 5dt5 has 0 to 4095 in whole numbers: deg?; --unit counts if they are counts");
+  shapes.back().options = {"--preset", "5dt5"};
+  Table bytes;
+  bytes.Add("time_s", Clock(0.02));
+  int sensor = 0;
+  for (const char* joint : {"ThumbMPJ", "ThumbIJ", "IndexMPJ", "IndexPIJ", "MiddleMPJ", "MiddlePIJ",
+                            "RingMPJ", "RingPIJ", "PinkieMPJ", "PinkiePIJ"}) {
+    bytes.Add(fmt::format("G_{}", joint), Counts(sensor++, 200));
+  }
+  ask("profile_bytes", bytes.Text(),
+      "in whole numbers, where cyberglove_ros_calibrated has -120 to 160 with fractions");
+}
+
 }  // namespace
 
 std::vector<GloveShape> GloveShapes() {
@@ -1181,6 +1237,7 @@ std::vector<GloveShape> GloveShapes() {
   AddUnits(shapes);
   AddNamesElsewhere(shapes);
   AddLongAndTwoLevels(shapes);
+  AddContradictions(shapes);
   return shapes;
 }
 

@@ -394,7 +394,7 @@ TEST_F(Containers, MatOfSeveralTrialsAsksForOne) {
         Variable<double>(nullptr, MAT_C_DOUBLE, MAT_T_DOUBLE, {2, 1}, {from, from + 1.0}));
   }
   WriteMat(file, MAT_FT_MAT5, {trials});
-  EXPECT_THAT(ErrorOf(file), HasSubstr("has 2 cells in trials: trials_1_t (2 x 1), "));
+  EXPECT_THAT(ErrorOf(file), HasSubstr("has 2 recordings in trials: trials_1_t (2 x 1), "));
   EXPECT_THAT(ErrorOf(file), HasSubstr("--array trials_1 takes one"));
   EXPECT_EQ(TableOf(file, "trials_2"), "t,a\n0,10\n0.5,11\n");
 }

@@ -179,6 +179,33 @@ TEST(Json, KeepsTheRowsOfHandsAndOfPersonsApart) {
       "person,a\n0,1\n1,2\n0,3\n");
 }
 
+TEST(Json, AsksForOneOfRecordingsOfUnequalLength) {
+  const auto frames = [](int count) {
+    std::string text;
+    for (int k = 0; k < count; ++k) {
+      text += fmt::format("{}{{\"t\": {}, \"index_mcp_deg\": {}}}", k > 0 ? "," : "", k, 20 + k);
+    }
+    return "[" + text + "]";
+  };
+  const auto table_of = [](const std::string& json, const std::string& chosen = {}) {
+    return TableOf(ReadJsonArrays(json), chosen);
+  };
+  const std::string persons =
+      R"({"persons": [{"frames": )" + frames(30) + R"(}, {"frames": )" + frames(20) + "}]}";
+  EXPECT_THAT(ErrorOf([&] { table_of(persons); }), HasSubstr("has 2 recordings in persons: "));
+  EXPECT_THAT(table_of(persons, "persons_2"),
+              testing::StartsWith("frames_t,frames_index_mcp_deg\n0,20\n1,21\n"));
+  const std::string hands = R"({"left": )" + frames(20) + R"(, "right": )" + frames(30) + "}";
+  EXPECT_THAT(ErrorOf([&] { table_of(hands); }), HasSubstr("--array left takes one"));
+  const std::string columns = R"([{"t": [0,1,2,3,4,5,6,7,8,9], "a": [0,1,2,3,4,5,6,7,8,9]},)"
+                              R"({"t": [0,1,2,3,4,5,6,7,8,9,10], "a": [0,1,2,3,4,5,6,7,8,9,9]}])";
+  EXPECT_THAT(ErrorOf([&] { table_of(columns); }), HasSubstr("has 2 recordings in the file: "));
+  // One without frames is no rival.
+  const std::string one = R"({"persons": [{"frames": )" + frames(30) + R"(}, {"frames": []}]})";
+  EXPECT_THAT(table_of(one),
+              testing::StartsWith("persons_1_frames_t,persons_1_frames_index_mcp_deg\n0,20"));
+}
+
 TEST(Json, ThatIsBrokenNamesItsLine) {
   EXPECT_THAT(ErrorOf([] { ReadJsonArrays("{\"a\": 1}\n{\"a\":"); }), HasSubstr("line 2"));
   const std::string deep(100'000, '[');

@@ -190,16 +190,6 @@ void ChooseByProfile(const JointEvidence& evidence, const Profile& profile, Join
   constexpr std::size_t kMostSensors = 1000;  // a profile may be of more than the table has
   const ColumnMap map = MapOfProfile(profile, {.name = "the profile", .count = kMostSensors});
   ChooseByMap(evidence, map, basis, why, sensors.columns, choice);
-  if (choice.unit == RawUnit::kCounts && choice.mappings.front().front().points) return;
-  const std::vector<double>& values = profile.match.values;
-  const bool fits = values.empty() || std::ranges::all_of(sensors.columns, [&](std::size_t c) {
-                      const ColumnStatistics& is = evidence.columns[c].statistics;
-                      return is.usual_low >= values.front() && is.usual_high <= values.back();
-                    });
-  if (fits) return;
-  throw UserError(fmt::format("{} gives values from {:g} to {:g}, {} have {:.4g} to {:.4g}",
-                              profile.name, values.front(), values.back(),
-                              ColumnsText(sensors.columns), sensors.facts.low, sensors.facts.high));
 }
 
 bool IsAngle(RawUnit unit) {
@@ -258,6 +248,18 @@ std::string_view UnitOfProfile(const JointChoice& choice) {
   return full <= 1.0 ? "share" : full == 100.0 ? "percent" : "counts";
 }
 
+/// The table of the columns that a profile took.
+ProfileFacts FactsOfTaken(const JointEvidence& evidence, const Profile& profile,
+                          const JointChoice& choice) {
+  if (!CountsSensors(profile)) return FactsOf(evidence);
+  ProfileFacts facts = {.duration_s = evidence.duration_s};
+  for (const std::size_t c : choice.columns) {
+    const ColumnStatistics& is = evidence.columns[c].statistics;
+    facts.columns.push_back({evidence.columns[c].name, is.usual_low, is.usual_high, is.is_whole});
+  }
+  return facts;
+}
+
 /// Asks if the values of a profile, or the unit that a person gives, are not those of the file.
 /// The unit of the profile, given, is an answer.
 void CheckValues(const JointEvidence& evidence, const Profile& profile, const std::string& given,
@@ -270,16 +272,19 @@ void CheckValues(const JointEvidence& evidence, const Profile& profile, const st
     UseOtherUnit(UnitNamed(given), "as given", choice);
     return;
   }
-  const auto other = ValuesAgainst(profile, FactsOf(evidence));
+  const auto other = ValuesAgainst(profile, FactsOfTaken(evidence, profile, choice));
   if (!other) return;
   const std::vector<double>& values = profile.match.values;
   const RawUnit may_be = UnitBySize(*other);
-  choice.question = fmt::format("like {}, but its joints have values from {:.3g} to {:.3g}",
-                                profile.name, other->low, other->high);
-  choice.question +=
-      values.empty() ? ", not whole numbers"
-                     : fmt::format(", where {} has {:g} to {:g}{}", profile.name, values.front(),
-                                   values.back(), profile.match.whole ? " in whole numbers" : "");
+  choice.question =
+      fmt::format("like {}, but its joints have values from {:.3g} to {:.3g}{}", profile.name,
+                  other->low, other->high, other->are_bytes ? " in whole numbers" : "");
+  choice.question += values.empty() ? ", not whole numbers"
+                                    : fmt::format(", where {} has {:g} to {:g}{}", profile.name,
+                                                  values.front(), values.back(),
+                                                  profile.match.whole ? " in whole numbers"
+                                                  : other->are_bytes  ? " with fractions"
+                                                                      : "");
   if (NameOf(may_be) != own) choice.question += fmt::format(": {}?", NameOf(may_be));
   choice.question += fmt::format("; --unit {0} if they are {0}", own);
   if (NameOf(may_be) != own || !IsAngle(may_be)) {
@@ -432,6 +437,19 @@ void CheckUnitsOfNames(const JointEvidence& evidence, JointChoice& choice) {
   }
 }
 
+/// Joints whose names say that the values rise as the finger opens.
+std::vector<std::size_t> OpeningJoints(const JointEvidence& evidence, const JointChoice& choice) {
+  constexpr std::string_view kOpening = "open opening openness extension extended straightness";
+  constexpr std::string_view kBending = "flex flexion bend bending close closing closed curl";
+  std::vector<std::size_t> opening;
+  for (std::size_t i = 0; i < choice.columns.size(); ++i) {
+    const std::vector<std::string> words = WordsOf(evidence.columns[choice.columns[i]].name);
+    if (choice.joints[i].channel.empty() || HasWordOf(words, kBending)) continue;
+    if (HasWordOf(words, kOpening)) opening.push_back(choice.columns[i]);
+  }
+  return opening;
+}
+
 /// True if a question was asked or joints were found.
 bool ChooseByNames(const JointEvidence& evidence, const JointOptions& options,
                    JointChoice& choice) {
@@ -461,6 +479,13 @@ bool ChooseByNames(const JointEvidence& evidence, const JointOptions& options,
   if (!any_joint && choice.question.empty()) choice.question = "no name of a column is a joint's";
   if (choice.question.empty()) choice.question = UnitQuestion(choice);
   if (choice.question.empty() && options.unit.empty()) CheckUnitsOfNames(evidence, choice);
+  if (const auto opening = OpeningJoints(evidence, choice);
+      choice.question.empty() && !opening.empty()) {
+    choice.question = fmt::format(
+        "{} rise as the finger opens, by their names; a map says sign and offset, or "
+        "raw_low of the open finger",
+        ColumnsText(opening));
+  }
   if (choice.question.empty() && evidence.is_translated) {
     choice.question =
         fmt::format("{} name fingers in another language; the map has the joints that they may be",
@@ -668,13 +693,14 @@ JointChoice ChooseJoints(const JointEvidence& evidence, const JointOptions& opti
     const Profile profile = ProfileNamed(options.preset, profiles);
     ChooseByProfile(evidence, profile, JointBasis::kProfile, choice);
     const std::string unit = options.unit == "percent" ? "share" : options.unit;
-    if (!unit.empty() && unit != NameOf(choice.unit)) {
+    if (unit.empty()) {
+      CheckValues(evidence, profile, "", choice);
+    } else if (unit != NameOf(choice.unit) && options.unit != UnitOfProfile(choice)) {
       throw UserError({.place = "--unit " + options.unit,
                        .problem = fmt::format("--preset {} has the unit {}; leave out one of them, "
                                               "or fill in a map",
-                                              options.preset, NameOf(choice.unit))});
+                                              options.preset, UnitOfProfile(choice))});
     }
-    if (!CountsSensors(profile)) CheckValues(evidence, profile, options.unit, choice);
     return choice;
   }
   if (IsCommandLog(evidence.families)) {

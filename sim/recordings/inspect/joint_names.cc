@@ -151,6 +151,9 @@ std::vector<ColumnJoint> JointsByNames(const std::vector<std::string>& names,
     const auto [first, is_first] = column_of.try_emplace(sensor.channel, i);
     joints[i].why = is_first ? "by its name" : sensor.channel + " has a column already";
     if (is_first) joints[i].channel = sensor.channel;
+    if (is_first && HasWordOf(WordsOf(names[i]), "tip")) {  // or a force, or a place
+      joints[i] = {sensor.channel, JointBasis::kAssumed, "the tip of the finger by its name"};
+    }
     if (is_first && is_shifted && sensor.finger == "thumb") {
       joints[i] = {sensor.channel, JointBasis::kAssumed,
                    "a thumb with names of a finger: from the root on"};
