@@ -79,9 +79,12 @@ std::size_t ClockOf(const TimeGuess& time, const std::vector<InspectedColumn>& c
   return static_cast<std::size_t>(named - columns.begin());
 }
 
-MidnightClock ClockOfDay(const TimeGuess& time) {
-  return MidnightClock(
-      std::ranges::any_of(time.parts, [](const TimePart& part) { return part.unit == "date"; }));
+std::vector<TimeMapping> MappingsOf(const TimeGuess& time) {
+  std::vector<TimeMapping> mappings;
+  for (const TimePart& part : time.parts) {
+    mappings.push_back({part.column, SecondsPer(part.unit), part.unit == "date"});
+  }
+  return mappings;
 }
 
 /// Reads the whole table once.
@@ -372,7 +375,7 @@ void ComputeEnvelopeStatistics(const std::filesystem::path& file, TableInput tab
   TableStatistics statistics(envelopes.size());
   std::vector<double> values(reader.column_count());
   std::vector<double> active(envelopes.size());
-  MidnightClock midnight = ClockOfDay(time);
+  MidnightClock midnight(MappingsOf(time));
   for (double row = 0.0; reader.NextRow(values); ++row) {
     double time_s = inspection.has_time ? 0.0 : row / inspection.time.rate_hz;
     for (const TimePart& part : time.parts) {
@@ -576,11 +579,8 @@ void FindMusclesByNotes(const std::vector<std::string>& notes,
 
 /// Clocks beside the time, if it is used.
 std::vector<std::size_t> OtherClocks(const TimeGuess& time, const Inspection& inspection) {
-  std::vector<TimeMapping> parts;
-  for (const TimePart& part : time.parts) {
-    parts.push_back({part.column, SecondsPer(part.unit), part.unit == "date"});
-  }
-  return inspection.has_time ? ClocksBeside(parts, inspection.layout) : std::vector<std::size_t>();
+  return inspection.has_time ? ClocksBeside(MappingsOf(time), inspection.layout)
+                             : std::vector<std::size_t>();
 }
 
 void FindJoints(const std::vector<RowGroups>& groups, const TimeGuess& time,
@@ -685,7 +685,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   const TimeGuess time = map ? TimeOfMap(map->time) : TimeOf(inspection.layout, profiles, options);
   std::vector<RowGroups> groups = GroupsToWatch(inspection);
   SenderWatch senders(inspection.columns.size());
-  MidnightClock midnight = ClockOfDay(time);
+  MidnightClock midnight(MappingsOf(time));
   const TableStatistics statistics =
       ReadTable(time, inspection.columns, inspection.hand, reader, midnight, groups, senders);
   inspection.is_whole = *is_whole;

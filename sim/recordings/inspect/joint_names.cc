@@ -103,10 +103,7 @@ NamedSensor ReadSensorName(std::string_view name) {
   for (const std::string& word : words) {
     const std::string_view finger = FingerOf(word);
     // "index_middle" of a CyberGlove is the middle joint of the index finger.
-    if (finger.empty()) continue;
-    if (fingers++ == 0) sensor.finger = finger;
-  }
-  for (const std::string& word : words) {
+    if (!finger.empty() && fingers++ == 0) sensor.finger = finger;
     if (const std::string_view joint = JointOf(word); !joint.empty()) {
       sensor.joint = joint;
     }
