@@ -106,9 +106,14 @@ bool AreTooSmall(const JointValues& values, double largest) {
 }
 
 /// True for whole numbers in motion where rows of the profile have fractions: raw bytes under the
-/// names of angles, as drivers publish both.
+/// names of angles, as drivers publish both. Counts beside angles of a frame are none.
 bool AreBytes(const JointValues& values, const Profile& profile) {
   constexpr double kMotion = 20.0;
+  constexpr double kMostDeg = 200.0;
+  const ProfileMatch& match = profile.match;
+  if (match.names.empty() || ReachOf(match.values.front(), match.values.back()) > kMostDeg) {
+    return false;
+  }
   if (!values.is_whole || values.low < 0.0 || values.widest < kMotion) return false;
   const auto lines = SplitLines(profile.example);
   if (lines.empty()) return false;
