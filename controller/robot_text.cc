@@ -162,7 +162,7 @@ class SettingReader final : public SettingsVisitor {
   }
 
  private:
-  /// Of the next setting.
+  /// The error of the next setting.
   SettingError Misplaced() const {
     return {settings_[place_].key.empty() ? "an item" : std::string(settings_[place_].key),
             "is not a setting in this place: it is unknown, given twice or out of order"};

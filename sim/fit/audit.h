@@ -33,8 +33,9 @@ struct AuditedEpisode {
 struct AuditedPart {
   std::string name;
   std::string unit;  // deg, units, or the unit of a length in its name
-  /// Kind of its commands: a NameOf(CommandKind), or `mixed` (copies in some rows or episodes), `ahead`,
-  /// `opposite`, `other_part`, `unrelated`, `still`, `command_still`, `angle_still`, `missing`.
+  /// Kind of its commands: a NameOf(CommandKind), or `mixed` (copies in some rows or episodes),
+  /// `ahead`, `opposite`, `other_part`, `unrelated`, `still`, `command_still`, `angle_still`,
+  /// `missing`.
   std::string kind;
   std::string kind_text;       // "targets", or a sentence without its subject on what they are
   ChainEstimate delay_ms;      // of a target

@@ -324,7 +324,8 @@ bool PartAudit::Moves(const Stretch& stretch) const {
   return stretch.travel > 0.0 && stretch.travel >= kMovingShare * longest_travel_;
 }
 
-/// " in 48 % of the moving rows, from 12.3 s on", if so many are copies within stretches; else empty.
+/// " in 48 % of the moving rows, from 12.3 s on", if so many are copies within stretches; else
+/// empty.
 std::string PartAudit::MixedRows(std::size_t episodes, double least_share) const {
   constexpr double kMostly = 0.8;
   constexpr double kAtEnd_s = 1.0;

@@ -328,7 +328,7 @@ ResultText AuditText(const Audit& audit, bool verbose) {
 
 namespace {
 
-/// The same values by keys of another unit.
+/// Values by keys of another unit.
 Json InUnit(const Json& values, const std::string& from, const std::string& to) {
   Json result = Json::object();
   for (const auto& [key, value] : values.items()) {

@@ -209,8 +209,8 @@ void WithholdUnknown(const PartRows& rows, const std::vector<FittedFamily>& fits
                   fit);
 }
 
-/// What no length of log tells of the dead time: when the frames were sent, and the step in which a
-/// limited speed is simulated.
+/// Part of the dead time that no length of log tells: when the frames were sent, and the step in
+/// which a limited speed is simulated.
 double OpenOfDeadTime_ms(const PartRows& rows, const FittedFamily& selected) {
   double open_ms = rows.frames ? 1e3 * rows.frames->open_rows / rows.rate_hz : 0.0;
   if (selected.family.Has(kSlowness)) {

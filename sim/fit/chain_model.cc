@@ -146,8 +146,8 @@ class ChainState {
   double joint() const { return joint_; }
 
  private:
-  /// exp(x) for x >= 0, such that 1 - 1 / Grown(x) is 1 - exp(-x) within 0.025: monotonic and bounded,
-  /// without a call of exp().
+  /// exp(x) for x >= 0, such that 1 - 1 / Grown(x) is 1 - exp(-x) within 0.025: monotonic and
+  /// bounded, without a call of exp().
   static double Grown(double x) {
     constexpr double kSixth = 1.0 / 6.0;
     return 1.0 + x * (1.0 + x * (0.5 + x * kSixth));

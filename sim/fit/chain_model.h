@@ -74,7 +74,7 @@ FineCommand RefineCommand(std::span<const double> command_deg, double rate_hz,
 /// limited. Before the first value nothing moves, and friction and lost motion are in their middle.
 void SimulateChain(const ChainModel& model, const FineCommand& command,
                    std::span<double> angle_deg);
-/// The same of several models, in less time. Precondition: as many angles as models, of one length.
+/// Angles of several models, in less time. Precondition: as many angles as models, of one length.
 void SimulateChains(std::span<const ChainModel> models, const FineCommand& command,
                     std::span<const std::span<double>> angles_deg);
 

@@ -21,9 +21,10 @@ namespace gauntlet::sim {
 /// So dead_time_ms and damping_ms are the fitted dead time and lag, full_torque_error_deg is
 /// inertia_s2 stall / J, and f is K times half the width of the loop at the spool. J is the inertia
 /// of the model's spools times the inertia_scale of the usual servo, so that torques are usual; the
-/// fingers' inertia is neglected. no_load_speed_deg_s is the speed limit, if most parts have one. All values are medians over the half of the parts with the
-/// best-known lag, because the hand has one servo for all motors. Motors of arm_servo are left out.
-/// A first-order lag becomes a second-order lag with a damping ratio of 1.5.
+/// fingers' inertia is neglected. no_load_speed_deg_s is the speed limit, if most parts have one.
+/// All values are medians over the half of the parts with the best-known lag, because the hand has
+/// one servo for all motors. Motors of arm_servo are left out. A first-order lag becomes a
+/// second-order lag with a damping ratio of 1.5.
 std::optional<AnsweringServo> UntriedServo(const ChainLog& log, const std::vector<ChainFit>& fits,
                                            const HandModel& hand);
 

@@ -82,7 +82,8 @@ class HandModel {
   std::string Hash() const;
   /// Version of MuJoCo, as "2.2.2".
   static std::string EngineVersion();
-  /// The version of the MuJoCo that this process calls, if this was not compiled for it; else empty.
+  /// The version of the MuJoCo that this process calls, if this was not compiled for it; else
+  /// empty.
   static std::string OtherEngine();
   /// A sentence for answers if that is not the reference (mujoco_versions.h); else empty.
   static std::string EngineNote();

@@ -53,8 +53,8 @@ TimeGuess TimeOfMap(const std::vector<TimeMapping>& time);
 /// found by its values alone. Else the first column with a name of TimeScaleS(). Empty: none.
 /// `unit`: of a column of numbers, as a person gave it (--time-unit); empty: found. With it, a time
 /// may be found by its values.
-/// Errors: UserError in `file` for a column of time whose unit is a question, and for a unit without
-/// a time.
+/// Errors: UserError in `file` for a column of time whose unit is a question, and for a unit
+/// without a time.
 std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& layout,
                                     const std::string& unit = {});
 /// Columns of whole numbers, or with the name of a time, that rise in the first rows as this time

@@ -23,10 +23,10 @@ struct RobotOrigin {
 /// and how a robot's program loads it.
 std::string RobotToYaml(const controller::RobotConfig& robot, const RobotOrigin& origin);
 
-/// Reads what `gauntlet export` wrote, or a person changed since; a file that ends in .txt is one of
-/// `gauntlet export --text`. The result is known to make a Controller.
-/// Errors: UserError with file:line:column (of a text: the line) and key for what is unknown, given twice, missing, of a
-/// wrong type, out of range, or does not fit to the rest.
+/// Reads what `gauntlet export` wrote, or a person changed since; a file that ends in .txt is one
+/// of `gauntlet export --text`. The result is known to make a Controller.
+/// Errors: UserError with file:line:column (of a text: the line) and key for what is unknown, given
+/// twice, missing, of a wrong type, out of range, or does not fit to the rest.
 controller::RobotConfig LoadRobot(const std::filesystem::path& file);
 /// Robot from the text of a file.
 controller::RobotConfig ParseRobot(const std::filesystem::path& file, std::string_view text);

@@ -38,8 +38,8 @@ struct DatasetInfo {
   double rows = 0.0;      // the same
 };
 
-/// `{"fps": 30, "total_episodes": 50, "total_frames": 9000, "features": {"action": {"names": ["wrist"]}}}`, or `{"names": {"motors":
-/// ["wrist"]}}` in a feature. Empty for other texts.
+/// `{"fps": 30, "total_episodes": 50, "total_frames": 9000, "features": {"action": {"names":
+/// ["wrist"]}}}`, or `{"names": {"motors": ["wrist"]}}` in a feature. Empty for other texts.
 DatasetInfo ReadDatasetInfo(std::string_view text);
 
 }  // namespace gauntlet::sim

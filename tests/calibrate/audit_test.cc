@@ -382,7 +382,8 @@ TEST_F(AuditTest, SeesRowsOfTheWholeDataSet) {
   EXPECT_THAT(KeysOf(AuditLog(Write({repeated}), {}).faults), ElementsAre("repeated_rows"));
 }
 
-/// Grippers in metres beside joints in degrees. Wrong: a floor of 1 deg for them, or no unit at all.
+/// Grippers in metres beside joints in degrees. Wrong: a floor of 1 deg for them, or no unit at
+/// all.
 TEST_F(AuditTest, JudgesEachPartInItsOwnUnit) {
   std::vector<Pair> wrist = Episodes(4, 12.0), grip = Episodes(4, 12.0);
   for (Pair& pair : grip) {

@@ -46,7 +46,8 @@ TEST(Validation, DoesNotHoldWhereAnObjectStopsTheHand) {
   EXPECT_THAT(verdict.Doubts().front(), HasSubstr("of the motion"));
 }
 
-/// Its error is that of a limited servo, and its delay the measured one, whatever the size of steps.
+/// Its error is that of a limited servo, and its delay the measured one, whatever the size of
+/// steps.
 TEST(Validation, HoldsForAServoWithASpeedLimit) {
   std::mt19937 random(3);
   ChainEpisodes episodes;

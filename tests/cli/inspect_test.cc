@@ -251,8 +251,9 @@ TEST_F(InspectCommand, TakesAnArrayOfSeveral) {
 TEST_F(InspectCommand, ListsTheCellsOfACellArray) {
   const fs::path file = folder_.path() / "cells.mat";
   WriteCellMat(file);
-  EXPECT_THAT(ErrorOf(file), HasSubstr("has 2 recordings in data: data_1 (100 x 2), data_2 (100 x 2); "
-                                       "--array NAME takes one"));
+  EXPECT_THAT(ErrorOf(file),
+              HasSubstr("has 2 recordings in data: data_1 (100 x 2), data_2 (100 x 2); "
+                        "--array NAME takes one"));
   EXPECT_EQ(Inspect(file, {"--array", "data_2"})["rows"], 100);
 }
 

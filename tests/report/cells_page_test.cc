@@ -73,8 +73,8 @@ TEST(CellsPage, StandsThereWithoutScripts) {
   EXPECT_EQ(Count(page, "http://") + Count(page, "https://"), Count(page, "http://www.w3.org/"));
 }
 
-/// The colour is that of the limit, whatever the largest value. Wrong: one far value makes all others
-/// pale.
+/// The colour is that of the limit, whatever the largest value. Wrong: one far value makes all
+/// others pale.
 TEST(HeatMap, HasItsLimitInTheMiddleOfItsColours) {
   const std::string svg = HeatMapSvg({.x_name = "episode",
                                       .y_name = "part",

@@ -351,8 +351,9 @@ TEST(RobotText, NamesThePlaceOfEveryMistake) {
             LineOf("ticks_per_sample") + "timing.ticks_per_sample: must be a number");
   EXPECT_THAT(complaint("ticks_per_sample", "ticks"),
               HasSubstr(": ticks: is not a setting in this place"));
-  EXPECT_THAT(complaint("high_angle_rad = 1.6", "high_angle_rad = 60"),
-              HasSubstr("glove.channels.b.high_angle_rad: is 60, must be from -6.28319 to 6.28319"));
+  EXPECT_THAT(
+      complaint("high_angle_rad = 1.6", "high_angle_rad = 60"),
+      HasSubstr("glove.channels.b.high_angle_rad: is 60, must be from -6.28319 to 6.28319"));
   EXPECT_THAT(complaint("filter_at", "filter_att"),
               testing::StartsWith(LineOf("filter_at") + "filter_att: is not a setting in this"));
   EXPECT_THAT(complaint("ticks_per_sample = 17", "ticks_per_sample = 0"),

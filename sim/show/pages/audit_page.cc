@@ -60,8 +60,8 @@ std::string DelaySvg(const Audit& audit) {
   return SvgOf(figure);
 }
 
-/// A value of each part and episode, coloured by `times_limit` of it; of many episodes, the worst of
-/// some that follow each other.
+/// A value of each part and episode, coloured by `times_limit` of it; of many episodes, the worst
+/// of some that follow each other.
 std::string EpisodesSvg(const Audit& audit, double AuditedEpisode::*value, const std::string& name,
                         LimitScale scale, const auto& times_limit) {
   const std::size_t count = audit.episodes.size();

@@ -12,7 +12,8 @@ namespace gauntlet::sim {
 
 /// Functions of Gauntlet that use OSMesa, libav and cairo, in a library of their own: these bring
 /// 150 others along, which take three quarters of the time in which the program starts, and few
-/// commands draw. Measured in docs/evidence/benchmarks.md. A wheel for pip finds them on the system.
+/// commands draw. Measured in docs/evidence/benchmarks.md. A wheel for pip finds them on the
+/// system.
 struct DrawingLibrary {
   std::unique_ptr<OffScreenContext> (*open_context)();
   std::unique_ptr<VideoEncoder> (*open_encoder)(const OutputFile& file, const VideoFormat& format);
