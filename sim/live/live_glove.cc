@@ -218,8 +218,8 @@ void DeviceGlove::Read(const std::stop_token& stop) {
   has_ended_.store(true, std::memory_order_release);
 }
 
-/// Takes the newest frame for the first: others in the device's queue are of the past. A file begins
-/// when it is played. Returns how many frames it took.
+/// Takes the newest frame for the first: others in the queue are of the past. A file begins when it
+/// is played. Returns how many frames it took.
 int DeviceGlove::TakeFirst() noexcept {
   const bool has_past = setup_.source->address().kind != DeviceKind::kFile;
   int taken = 0;
