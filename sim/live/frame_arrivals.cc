@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "controller/number.h"
 
@@ -28,11 +29,44 @@ double ArrivalFacts::PerSecond(std::int64_t count) const {
                                            : static_cast<double>(count - 1) / duration_s();
 }
 
+double ArrivalFacts::Rate_hz() const {
+  const std::int64_t intervals = different + lost - waited - lost_in_silences - silences - 1;
+  const std::int64_t time_ns = last_ns - std::max(first_ns, rate_from_ns) - silence_ns;
+  return intervals < 1 || time_ns <= 0
+             ? controller::kNaN
+             : static_cast<double>(intervals) / (1e-9 * static_cast<double>(time_ns));
+}
+
+void FrameArrivals::BeginRate() {
+  facts_.waited = facts_.different + facts_.lost;
+  facts_.silences = facts_.silence_ns = facts_.lost_in_silences = 0;
+  rate_begins_ = true;
+}
+
+/// A gap in which the device was silent, rather than one of a slow or jittery one.
+bool FrameArrivals::IsSilence(std::int64_t gap_ns) const {
+  constexpr std::int64_t kLeast_ns = 250'000'000;
+  constexpr int kTimesUsual = 10;
+  constexpr std::int64_t kLeastFrames = 10;
+  if (facts_.frames < kLeastFrames || gap_ns < kLeast_ns) return false;
+  return gap_ns > kTimesUsual * (facts_.last_ns - facts_.first_ns) / (facts_.frames - 1);
+}
+
 FrameArrivals::Numbered FrameArrivals::Add(const DeviceFrame& frame) {
+  bool was_silent = false;
+  const std::int64_t lost = facts_.lost;
+  const bool begins = std::exchange(rate_begins_, false);
+  if (begins) facts_.rate_from_ns = frame.arrival_ns;
   if (facts_.frames == 0) {
     facts_.first_ns = frame.arrival_ns;
   } else {
-    facts_.gaps.Add(frame.arrival_ns - facts_.last_ns);
+    const std::int64_t gap_ns = frame.arrival_ns - facts_.last_ns;
+    facts_.gaps.Add(gap_ns);
+    was_silent = !begins && IsSilence(gap_ns);
+    if (was_silent) {
+      ++facts_.silences;
+      facts_.silence_ns += gap_ns;
+    }
   }
   facts_.last_ns = std::max(facts_.last_ns, frame.arrival_ns);
   ++facts_.frames;
@@ -42,6 +76,7 @@ FrameArrivals::Numbered FrameArrivals::Add(const DeviceFrame& frame) {
   }
   const std::int64_t restarts = facts_.restarts;
   const std::int64_t number = NumberOf(frame);
+  if (was_silent) facts_.lost_in_silences += facts_.lost - lost;
   return {.number = number, .stamp_s = StampOf(frame, facts_.restarts > restarts)};
 }
 

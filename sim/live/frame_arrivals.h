@@ -21,6 +21,11 @@ struct ArrivalFacts {
   std::int64_t longest_loss = 0;  // of them in a row
   std::int64_t p99_loss = 0;      // of the losses, in frames in a row
   std::int64_t restarts = 0;      // of the sender's numbers
+  std::int64_t silences = 0;      // of a quarter of a second or more, and far above the usual gap
+  std::int64_t silence_ns = 0;    // of all of them
+  std::int64_t lost_in_silences = 0;
+  std::int64_t waited = 0;         // different or lost ones before the time of the next
+  std::int64_t rate_from_ns = -1;  // -1: from the first frame on
   bool has_numbers = false;
   bool has_sender_times = false;
   std::int64_t first_ns = 0;
@@ -31,6 +36,8 @@ struct ArrivalFacts {
 
   double duration_s() const { return 1e-9 * static_cast<double>(last_ns - first_ns); }
   double PerSecond(std::int64_t count) const;
+  /// Rate of the device, with what was lost and without what it repeated or its silences; NaN: none.
+  double Rate_hz() const;
 };
 
 /// Numbers the frames of a source for a receiver, and counts what happened to them on their way.
@@ -46,10 +53,13 @@ class FrameArrivals {
   };
 
   Numbered Add(const DeviceFrame& frame);
+  /// Frames up to now had waited: their arrivals tell nothing of the device's rate.
+  void BeginRate();
   /// Facts of the frames so far.
   ArrivalFacts Facts() const;
 
  private:
+  bool IsSilence(std::int64_t gap_ns) const;
   std::int64_t NumberOf(const DeviceFrame& frame);
   void CountNumber(std::int64_t number);
   double StampOf(const DeviceFrame& frame, bool is_restart);
@@ -60,6 +70,7 @@ class FrameArrivals {
   std::vector<double> last_values_;
   std::vector<std::int64_t> seen_ = std::vector<std::int64_t>(kRemembered, -1);
   std::vector<std::int64_t> losses_ = std::vector<std::int64_t>(kRemembered + 1);  // by length
+  bool rate_begins_ = false;  // with the next frame
   std::optional<std::int64_t> first_number_;
   std::int64_t offset_ = 0;
   std::int64_t highest_ = -1;

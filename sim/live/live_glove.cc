@@ -148,6 +148,7 @@ class DeviceGlove final : public LiveGlove {
   std::string source_;
   RowRing<Head> frames_;
   std::atomic<bool> has_ended_ = false;
+  std::atomic<bool> has_begun_ = false;  // what came before had waited, and is not counted
 
   // The control thread has these.
   Head first_;
@@ -165,6 +166,7 @@ class DeviceGlove final : public LiveGlove {
   // The thread that reads has these.
   FrameChannels channels_;
   FrameArrivals arrivals_;
+  bool rate_has_begun_ = false;
   std::int64_t first_arrival_ns_ = 0;
   std::int64_t overruns_ = 0;
   std::exception_ptr error_;  // before has_ended_
@@ -198,6 +200,10 @@ void DeviceGlove::Read(const std::stop_token& stop) {
   constexpr auto kLook = std::chrono::milliseconds(20);
   const auto take = [&](const DeviceFrame& frame) {
     if (MayGetNames(frame.arrival_ns)) return;
+    if (!rate_has_begun_ && has_begun_.load(std::memory_order_relaxed)) {
+      rate_has_begun_ = true;
+      arrivals_.BeginRate();
+    }
     const FrameArrivals::Numbered numbered = arrivals_.Add(frame);
     const std::span<const double> counts =
         channels_.Counts(setup_.source->columns(), numbered.stamp_s, frame.values);
@@ -296,6 +302,7 @@ std::span<const std::int32_t> DeviceGlove::Step(const LiveTick& tick, HandLoop& 
   most_waiting_ = std::max(most_waiting_, waiting_frames());
   if (has_first_) {
     TakeFirst();
+    has_begun_.store(setup_.source->address().kind != DeviceKind::kFile, std::memory_order_relaxed);
     AcceptFrame(first_, first_counts_, tick, loop);
   }
   has_first_ = false;

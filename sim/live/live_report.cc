@@ -118,7 +118,7 @@ std::string FramesText(const LiveFacts& facts, const LiveContext& context) {
         source.garbage, source.half_frames, source.foreign, source.overflowed, source.reopened);
   }
   constexpr double kNoticeable = 0.05;
-  const double rate_hz = arrivals.PerSecond(arrivals.different + arrivals.lost);
+  const double rate_hz = arrivals.Rate_hz();
   if (std::abs(rate_hz / context.timing.sample_rate_hz() - 1.0) > kNoticeable) {
     text += fmt::format(
         " Warning: glove.rate_hz is {:.4g}; the filters assume it. For this glove: --set "
@@ -263,6 +263,12 @@ std::string AdviceText(const LiveFacts& facts, const LiveContext& context) {
           "Advice: the receiver costs {} ms ({}); link.glove.receiver.kind=newest "
           "has no buffer and no queue.",
           gain, context.receiver.empty() ? "newest" : context.receiver);
+    case Stage::kHeld:
+      return fmt::format(
+          "Advice: samples came too seldom for the command frames, or the glove fell silent: {} "
+          "ms. "
+          "Look at the glove and its link.",
+          gain);
     case Stage::kEvent:
       return fmt::format("Advice: a shorter period of the command frames gains up to {} ms.", gain);
     case Stage::kTick:

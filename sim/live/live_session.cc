@@ -147,7 +147,10 @@ void Session::SendCommand(std::span<const std::int32_t> frame) noexcept {
   const SampleTimes& sample = glove_->sample();
   if (sample.number == last_sample_number_) ++facts.repeated_samples;
   last_sample_number_ = sample.number;
-  output_.Send({.sample = sample, .number = facts.commands++, .due_ns = MonotonicNow_ns()},
+  output_.Send({.sample = sample,
+                .number = facts.commands++,
+                .due_ns = MonotonicNow_ns(),
+                .period_ns = std::llround(1e6 * timing_.event_period_ms)},
                sent_values_);
 }
 

@@ -34,7 +34,7 @@ struct LiveMoment {
 class LiveView {
  public:
   static constexpr double kRate_hz = 50.0;
-  static constexpr std::size_t kStageRows = 6;
+  static constexpr std::size_t kStageRows = 7;
 
   LiveView(std::size_t channels, std::size_t joints)
       : moments_(64, channels + 2 * joints),

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 
 #include "sim/live/duration_histogram.h"
@@ -16,10 +18,11 @@ enum class Stage : std::uint8_t {
   kTick,      // until the control thread takes it, at its next tick
   kReceiver,  // until the receiver uses it: sampling grid, buffer, queue
   kFilter,    // until the controller has it
+  kHeld,      // beyond the period of the command frames: no newer sample came
   kEvent,     // until a command frame is due
   kSend,      // until the frame has been handed to the system
 };
-inline constexpr std::size_t kStages = 6;
+inline constexpr std::size_t kStages = 7;
 /// As in live.json and for people.
 struct StageName {
   std::string_view key;
@@ -30,6 +33,7 @@ inline constexpr std::array<StageName, kStages> kStageNames = {{
     {"tick", "wait for the tick"},
     {"receiver", "receiver: grid, buffer, queue"},
     {"filter", "filter and maps"},
+    {"held", "no newer sample"},
     {"event", "wait for the command frame"},
     {"send", "send"},
 }};
@@ -49,6 +53,8 @@ struct OutputHead {
   SampleTimes sample;
   std::int64_t number = 0;
   std::int64_t due_ns = 0;
+  /// Period of the command frames. A new sample waits for no longer.
+  std::int64_t period_ns = std::numeric_limits<std::int64_t>::max();
 };
 
 /// The stages of commands; of the thread that sends them.
@@ -59,9 +65,11 @@ class StageClock {
   void Add(const OutputHead& head, std::int64_t sent_ns) noexcept {
     if (head.sample.number < 0) return;
     const SampleTimes& sample = head.sample;
+    const std::int64_t held_until_ns =
+        std::max(sample.filtered_ns, head.due_ns - std::min(head.due_ns, head.period_ns));
     const std::array<std::int64_t, kStages + 1> times = {
         sample.arrival_ns,  sample.decoded_ns, sample.taken_ns, sample.used_ns,
-        sample.filtered_ns, head.due_ns,       sent_ns};
+        sample.filtered_ns, held_until_ns,     head.due_ns,     sent_ns};
     for (std::size_t stage = 0; stage < kStages; ++stage) {
       const std::int64_t duration_ns = times[stage + 1] - times[stage];
       stages[stage].Add(duration_ns);
@@ -70,7 +78,9 @@ class StageClock {
     if (view_ != nullptr) view_->ShowStages(stages_us_);
     const std::int64_t age_ns = sent_ns - sample.arrival_ns;
     total.Add(age_ns);
-    age_ms.Add(sent_ns, 1e-6 * static_cast<double>(age_ns));
+    // A silent glove is no trend of the chain.
+    const std::int64_t held_ns = held_until_ns - sample.filtered_ns;
+    age_ms.Add(sent_ns, 1e-6 * static_cast<double>(age_ns - held_ns));
   }
 
   std::array<DurationHistogram, kStages> stages;

@@ -97,5 +97,22 @@ TEST(CommandOutput, WithoutMotorsSendsWhenACommandIsDue) {
   EXPECT_FALSE(output.is_gone());
 }
 
+TEST(CommandOutput, CountsTimeWithoutANewerSampleApartFromTheWaitForAFrame) {
+  CommandOutput output(nullptr, 1, nullptr);
+  output.Begin();
+  for (const std::int64_t due_ns : {15'000, 35'000, 55'000}) {  // frames of 20 us
+    output.Send({.sample = {.number = 1}, .due_ns = due_ns, .period_ns = 20'000}, std::array{1.0});
+  }
+  output.End();
+  LiveFacts facts;
+  output.AddFacts(facts);
+  const auto mean_us = [&](Stage stage) {
+    return facts.stages[static_cast<std::size_t>(stage)].mean_us();
+  };
+  EXPECT_EQ(facts.stages[static_cast<std::size_t>(Stage::kEvent)].max_us(), 20.0);
+  EXPECT_DOUBLE_EQ(mean_us(Stage::kHeld), (0.0 + 15.0 + 35.0) / 3.0);
+  EXPECT_DOUBLE_EQ(mean_us(Stage::kHeld) + mean_us(Stage::kEvent), facts.total.mean_us());
+}
+
 }  // namespace
 }  // namespace gauntlet::sim

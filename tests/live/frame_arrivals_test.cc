@@ -38,6 +38,29 @@ TEST(FrameArrivals, CountsLostRepeatedAndReorderedFrames) {
   EXPECT_EQ(facts.restarts, 0);
 }
 
+TEST(FrameArrivals, HaveTheRateOfTheDeviceWithoutSilencesAndWithoutWhatWaited) {
+  for (const bool has_numbers : {false, true}) {
+    for (const bool was_link : {false, true}) {  // whose losses have numbers
+      FrameArrivals arrivals;
+      std::int64_t number = 0;
+      const auto add = [&](double time_s) {
+        const std::array values = {time_s};
+        arrivals.Add({.arrival_ns = static_cast<std::int64_t>(1e9 * time_s),
+                      .number = has_numbers ? std::optional(number) : std::nullopt,
+                      .values = values});
+        ++number;
+      };
+      for (int i = 0; i < 97; ++i) add(1.0 + 1e-5 * i);
+      arrivals.BeginRate();
+      for (int i = 0; i < 300; ++i) add(1.5 + i / 98.0);
+      if (was_link) number += 98;
+      for (int i = 0; i < 300; ++i) add(1.5 + 299 / 98.0 + 1.03 + i / 98.0);
+      EXPECT_NEAR(arrivals.Facts().Rate_hz(), 98.0, 0.01) << has_numbers << was_link;
+      EXPECT_EQ(arrivals.Facts().frames, 697);
+    }
+  }
+}
+
 TEST(FrameArrivals, GoesOnBehindTheLastNumberWhenTheSenderStartsAnew) {
   FrameArrivals arrivals;
   Numbers(arrivals, {100, 101, 102});
