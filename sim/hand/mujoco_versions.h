@@ -11,6 +11,13 @@
 
 namespace gauntlet::sim {
 
+/// A tendon's row of the matrix of moment arms; without columns where the row has all of them.
+struct TendonRow {
+  const mjtNum* arm_m;
+  const int* dof;
+  int count;
+};
+
 #if mjVERSION_HEADER == 222
 
 /// The engine of the published results. It knows no part of MJCF that came later (newer_mjcf.h).
@@ -30,12 +37,6 @@ inline void MulMatTVec3(mjtNum* result, const mjtNum* matrix, const mjtNum* vect
 
 inline bool IsActive(const mjModel& model, int equality) { return model.eq_active[equality] != 0; }
 
-/// A tendon's row of the matrix of moment arms; without columns where the row has all of them.
-struct TendonRow {
-  const mjtNum* arm_m;
-  const int* dof;
-  int count;
-};
 inline TendonRow RowOf(const mjModel& model, const mjData& data, int tendon) {
   if (!mj_isSparse(&model)) {
     return {data.ten_J + static_cast<std::size_t>(tendon) * model.nv, nullptr, model.nv};
@@ -69,11 +70,6 @@ inline void MulMatTVec3(mjtNum* result, const mjtNum* matrix, const mjtNum* vect
 
 inline bool IsActive(const mjModel& model, int equality) { return model.eq_active0[equality]; }
 
-struct TendonRow {
-  const mjtNum* arm_m;
-  const int* dof;
-  int count;
-};
 inline TendonRow RowOf(const mjModel& model, const mjData& data, int tendon) {
   const int begin = model.ten_J_rowadr[tendon];
   return {data.ten_J + begin, model.ten_J_colind + begin, model.ten_J_rownnz[tendon]};
