@@ -69,7 +69,7 @@ void RunGlove(const GloveCommand& command) {
   play.seconds = command.seconds;
   std::vector<std::string> names;
   for (const std::string& channel : play.glove->channel_names) names.push_back(channel + "_counts");
-  const std::unique_ptr<FrameSink> sink = OpenFrameSink(address, names);
+  const std::unique_ptr<FrameSink> sink = OpenFrameSink(address, names, true);
   Say("gauntlet: {} samples per second, {} channels, to {}\n", play.timing.sample_rate_hz(),
       names.size(), sink->Description());
   const GlovePlayed played = PlayGlove(play, *sink);

@@ -290,7 +290,8 @@ void RunLiveCommand(const LiveCommand& command) {
                                              .file_array = command.array,
                                              .file_time_unit = command.time_unit});
     setup.source = glove.get();
-    setup.names_may_follow = glove_address->kind == DeviceKind::kUdp;
+    setup.names_may_follow =
+        glove_address->kind == DeviceKind::kUdp || glove_address->kind == DeviceKind::kSerial;
     UseRealLink(setup.trial.links.config);
   } else {
     setup.simulated_glove = study.gloves.front();

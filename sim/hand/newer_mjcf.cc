@@ -30,6 +30,12 @@ constexpr std::string_view kCouples = "it couples bodies in a way that 2.2.2 doe
 constexpr std::string_view kInertia = "it changes the inertia";
 constexpr std::string_view kMotor = "it is a motor that 2.2.2 does not have: use <motor>";
 
+// Stands for every value of several numbers.
+constexpr std::string_view kNumbers = "0 1";
+
+constexpr std::string_view kSlack =
+    "it is a spring with a slack range: give the tendon a limited range in its place";
+
 constexpr NewerMjcfRow kRows[] = {
     {"", "frame", "", "", kRefuse, kMoves},
     {"", "replicate", "", "", kRefuse, kMoves},
@@ -50,6 +56,9 @@ constexpr NewerMjcfRow kRows[] = {
     {"", "spatial", "armature", "", kRefuse, kInertia},
     {"", "fixed", "armature", "", kRefuse, kInertia},
     {"default", "tendon", "armature", "", kRefuse, kInertia},
+    {"", "spatial", "springlength", kNumbers, kRefuse, kSlack},
+    {"", "fixed", "springlength", kNumbers, kRefuse, kSlack},
+    {"default", "tendon", "springlength", kNumbers, kRefuse, kSlack},
     {"", "mesh", "inertia", "legacy", kDrop, "2.2.2 computes nearly the same"},
     {"", "mesh", "inertia", "exact", kRefuse, "set exactmeshinertia of <compiler>"},
     {"", "mesh", "inertia", "", kRefuse, kInertia},
@@ -161,6 +170,13 @@ constexpr NewerMjcfRow kRows[] = {
     {"sensor", "e_kinetic", "", "", kDrop, kSensor},
 };
 
+bool HasSeveralWords(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+  const std::size_t end = text.find_first_of(kBlanks);
+  return text.find_first_not_of(kBlanks, end) != std::string_view::npos;
+}
+
 class Dropper {
  public:
   explicit Dropper(std::vector<std::string>& notes) : notes_(notes) {}
@@ -187,7 +203,9 @@ class Dropper {
                                    std::string_view attribute, std::string_view value) {
     const auto found = std::ranges::find_if(kRows, [&](const NewerMjcfRow& row) {
       return (row.parent.empty() || row.parent == parent.name) && row.element == element.name &&
-             row.attribute == attribute && (row.value.empty() || row.value == value);
+             row.attribute == attribute &&
+             (row.value.empty() || row.value == value ||
+              (row.value == kNumbers && HasSeveralWords(value)));
     });
     return found == std::end(kRows) ? nullptr : found;
   }
@@ -197,8 +215,10 @@ class Dropper {
     const std::string name =
         row.attribute.empty()
             ? fmt::format("element '{}'", row.element)
-            : fmt::format("attribute '{}'{} of element '{}'", row.attribute,
-                          row.value.empty() ? "" : fmt::format(" = '{}'", row.value), row.element);
+            : fmt::format(
+                  "attribute '{}'{} of element '{}'", row.attribute,
+                  row.value.empty() ? "" : fmt::format(" = '{}'", *element.Find(row.attribute)),
+                  row.element);
     if (row.action == NewerMjcf::kRefuse) {
       throw UserError({.place = element.Place(),
                        .problem = fmt::format("{} is not in MuJoCo 2.2.2: {}", name, row.reason)});

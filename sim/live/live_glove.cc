@@ -141,7 +141,7 @@ class DeviceGlove final : public LiveGlove {
                    HandLoop& loop) noexcept;
   void FollowGlove(HandLoop& loop) noexcept;
   void Read(const std::stop_token& stop);
-  bool MayGetNames(std::int64_t arrival_ns);
+  bool MayGetNames(const DeviceFrame& frame);
 
   const LiveSetup& setup_;
   const controller::Timing& timing_;
@@ -186,20 +186,23 @@ DeviceGlove::DeviceGlove(const LiveSetup& setup)
       grid_(timing_.ticks_per_sample),
       channels_(setup.channels) {}
 
-/// A sender of packets repeats the names of its columns once a second: until then a listener that
-/// began later does not know what they are.
-bool DeviceGlove::MayGetNames(std::int64_t arrival_ns) {
+/// A sender that repeats the names of its columns does so once a second: until then a listener that
+/// began later does not know what they are. Over a serial line few do, and a frame with a value for
+/// each channel needs none.
+bool DeviceGlove::MayGetNames(const DeviceFrame& frame) {
   constexpr std::int64_t kPatience_ns = 1'200'000'000;
   if (!setup_.names_may_follow || !setup_.source->columns().names.empty()) return false;
-  if (first_arrival_ns_ == 0) first_arrival_ns_ = arrival_ns;
-  return arrival_ns - first_arrival_ns_ < kPatience_ns;
+  const bool is_serial = setup_.source->address().kind == DeviceKind::kSerial;
+  if (is_serial && frame.values.size() == frames_.width()) return false;
+  if (first_arrival_ns_ == 0) first_arrival_ns_ = frame.arrival_ns;
+  return frame.arrival_ns - first_arrival_ns_ < kPatience_ns;
 }
 
 void DeviceGlove::Read(const std::stop_token& stop) {
   RaisePriority(kInputPriority);
   constexpr auto kLook = std::chrono::milliseconds(20);
   const auto take = [&](const DeviceFrame& frame) {
-    if (MayGetNames(frame.arrival_ns)) return;
+    if (MayGetNames(frame)) return;
     if (!rate_has_begun_ && has_begun_.load(std::memory_order_relaxed)) {
       rate_has_begun_ = true;
       arrivals_.BeginRate();

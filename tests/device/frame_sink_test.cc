@@ -176,6 +176,23 @@ TEST(FrameSink, OverASerialLineComesBackWithTheDevice) {
   EXPECT_EQ(hand.Read(1000, 36), "frame,time_s,a,b\n4,1.000000011,516,\n");
 }
 
+TEST(FrameSink, OverASerialLineRepeatsTheNamesEachSecondToWhoTakesThemBetweenFrames) {
+  const test::TemporaryDirectory folder;
+  for (const bool repeats : {false, true}) {
+    PseudoTerminal hand(folder.path() / "hand");
+    const auto sink =
+        OpenFrameSink(ParseDeviceAddress("serial:" + hand.link().string(), DeviceRole::kSink),
+                      {"a", "b"}, repeats);
+    EXPECT_EQ(SendNumber(*sink, 1), Result::kSent);
+    EXPECT_EQ(hand.Read(1000, 36), "frame,time_s,a,b\n1,1.000000008,513,\n");
+    usleep(1'050'000);
+    EXPECT_EQ(SendNumber(*sink, 2), Result::kSent);
+    EXPECT_EQ(SendNumber(*sink, 3), Result::kSent);
+    EXPECT_EQ(hand.Read(1000, repeats ? 55 : 38), std::string(repeats ? "frame,time_s,a,b\n" : "") +
+                                                      "2,1.000000009,514,\n3,1.000000010,515,\n");
+  }
+}
+
 TEST(FrameSink, RefusesAFormatThatIsOnlyReceived) {
   try {
     Open("udp:127.0.0.1:9000,cyberglove", {"a"});

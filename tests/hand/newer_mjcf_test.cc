@@ -155,6 +155,24 @@ TEST_F(NewerMjcfTest, WhatMovesCouplesOrLoadsBodiesIsRefusedWithItsNameAndLine) 
   }
 }
 
+TEST_F(NewerMjcfTest, OnlySpringsWithASlackRangeAreRefused) {
+  const auto drop = [&](const char* length) {
+    MjcfElement root =
+        ReadMjcf(Write("hand.xml", std::string("<mujoco><tendon><fixed springlength='") + length +
+                                       "'/></tendon></mujoco>"));
+    std::vector<std::string> notes;
+    DropNewerMjcf(root, notes);
+  };
+  EXPECT_NO_THROW(drop(" 0.2 "));
+  try {
+    drop("0 0.25");
+    ADD_FAILURE() << "not refused";
+  } catch (const UserError& error) {
+    EXPECT_THAT(error.problem(), HasSubstr("'springlength' = '0 0.25'"));
+    EXPECT_THAT(error.problem(), HasSubstr("slack range"));
+  }
+}
+
 TEST_F(NewerMjcfTest, ImplicitfastBecomesImplicit) {
   MjcfElement root =
       ReadMjcf(Write("hand.xml", "<mujoco><option integrator='implicitfast'/></mujoco>"));

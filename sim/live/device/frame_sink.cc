@@ -9,6 +9,7 @@
 #include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -38,6 +39,7 @@ class FrameEncoder {
   virtual std::string Frame(const OutgoingFrame& frame) const = 0;
 };
 
+constexpr std::int64_t kNamesPeriod_ns = kNanosecondsPerSecond;
 constexpr std::string_view kNumberColumn = "frame";
 constexpr std::string_view kTimeColumn = "time_s";
 
@@ -218,7 +220,6 @@ class UdpSink : public CountingSink {
   }
 
   Result Send(const OutgoingFrame& frame) override {
-    constexpr std::int64_t kNamesPeriod_ns = kNanosecondsPerSecond;
     const std::int64_t now_ns = MonotonicNow_ns();
     if (now_ns >= names_due_ns_) {
       const std::string names = encoder_->Names();
@@ -244,16 +245,23 @@ class UdpSink : public CountingSink {
 /// frames meanwhile are dropped, so that none of them grows old.
 class StreamSink : public CountingSink {
  public:
-  StreamSink(std::string description, std::unique_ptr<FrameEncoder> encoder)
+  StreamSink(std::string description, std::unique_ptr<FrameEncoder> encoder,
+             bool repeats_names = false)
       : CountingSink(std::move(description)),
         encoder_(std::move(encoder)),
-        rest_(encoder_->Names()) {}
+        rest_(encoder_->Names()),
+        names_due_ns_(repeats_names ? MonotonicNow_ns() + kNamesPeriod_ns
+                                    : std::numeric_limits<std::int64_t>::max()) {}
 
   Result Send(const OutgoingFrame& frame) override {
     if (is_gone_ && !Return()) return Count(Result::kGone, 0);
     if (const int error = WriteRest(); error != 0) return Lose(error);
     if (!rest_.empty()) return Count(Result::kDropped, 0);
-    rest_ = encoder_->Frame(frame);
+    if (const std::int64_t now_ns = MonotonicNow_ns(); now_ns >= names_due_ns_) {
+      rest_ = encoder_->Names();
+      names_due_ns_ = now_ns + kNamesPeriod_ns;
+    }
+    rest_ += encoder_->Frame(frame);
     const std::size_t size = rest_.size();
     if (const int error = WriteRest(); error != 0) return Lose(error);
     if (rest_.size() < size) return Count(Result::kSent, size);
@@ -299,6 +307,7 @@ class StreamSink : public CountingSink {
 
   std::unique_ptr<FrameEncoder> encoder_;
   std::string rest_;  // bytes of a frame that wait for room
+  std::int64_t names_due_ns_;
   bool is_gone_ = false;
 };
 
@@ -312,8 +321,9 @@ class StandardOutput : public StreamSink {
 
 class SerialSink : public StreamSink {
  public:
-  SerialSink(const DeviceAddress& address, std::unique_ptr<FrameEncoder> encoder)
-      : StreamSink(Shown(address.text), std::move(encoder)), line_(address) {}
+  SerialSink(const DeviceAddress& address, std::unique_ptr<FrameEncoder> encoder,
+             bool repeats_names)
+      : StreamSink(Shown(address.text), std::move(encoder), repeats_names), line_(address) {}
 
   std::string Description() const override {
     return fmt::format("{}, {}", StreamSink::Description(), line_.facts());
@@ -331,14 +341,15 @@ class SerialSink : public StreamSink {
 }  // namespace
 
 std::unique_ptr<FrameSink> OpenFrameSink(const DeviceAddress& address,
-                                         const std::vector<std::string>& names) {
+                                         const std::vector<std::string>& names,
+                                         bool repeats_names) {
   switch (address.kind) {
     case DeviceKind::kNone:
       return std::make_unique<NoSink>(address.text);
     case DeviceKind::kStdout:
       return std::make_unique<StandardOutput>(address.text, MakeFrameEncoder(address, names));
     case DeviceKind::kSerial:
-      return std::make_unique<SerialSink>(address, MakeFrameEncoder(address, names));
+      return std::make_unique<SerialSink>(address, MakeFrameEncoder(address, names), repeats_names);
     case DeviceKind::kUdp:
     case DeviceKind::kOsc:
       return std::make_unique<UdpSink>(address, MakeFrameEncoder(address, names));

@@ -46,9 +46,11 @@ class FrameSink {
 };
 
 /// Opens the sink. `names` are those of the values: they are sent first, and over UDP once a
-/// second, so that a listener that starts later knows them, too.
+/// second, so that a listener that starts later knows them, too. `repeats_names`: so over a serial
+/// line, to a listener that takes them between frames.
 /// Errors: UserError in one line that says what to try, as of OpenFrameSource().
 std::unique_ptr<FrameSink> OpenFrameSink(const DeviceAddress& address,
-                                         const std::vector<std::string>& names);
+                                         const std::vector<std::string>& names,
+                                         bool repeats_names = false);
 
 }  // namespace gauntlet::sim
