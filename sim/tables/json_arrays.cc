@@ -241,7 +241,8 @@ void MarkRecordings(const std::string& path, const std::vector<Part>& parts,
     if (!names.empty()) parts_of[names].push_back(i);
   }
   for (const auto& [names, alike] : parts_of) {
-    const auto is_other = [&](std::size_t i) { return lengths[i] != lengths[alike.front()]; };
+    const std::size_t length = lengths[alike.front()];
+    const auto is_other = [&](std::size_t i) { return lengths[i] != length; };
     if (std::ranges::none_of(alike, is_other)) continue;
     for (const std::size_t i : alike) {
       for (std::size_t a = parts[i].first; a < end_of(i); ++a) {
