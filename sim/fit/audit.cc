@@ -547,7 +547,9 @@ void Auditor::NameMissing(const DatasetInfo& info, std::vector<AuditFault>& faul
   }
   if (options_.episode) return;
   std::set<double> missing;
-  for (double number = 0.0; number < info.episodes; number += 1.0) {
+  constexpr double kMostNamed = 1e6;  // of a damaged file
+  const auto named = static_cast<int>(std::clamp(info.episodes, 0.0, kMostNamed));
+  for (int number = 0; number < named; ++number) {
     if (!found_.contains(number)) missing.insert(number);
   }
   if (!missing.empty()) {

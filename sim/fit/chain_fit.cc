@@ -280,10 +280,10 @@ double BeginningBehindPlay(std::span<const double> command_deg, double rate_hz,
 bool HasTwoPositions(std::span<const double> command_deg) {
   constexpr double kNear = 0.02;  // of the travel
   constexpr double kNearlyAlways = 0.95;
-  const auto [least, most] = std::ranges::minmax(command_deg);
-  const double near_deg = kNear * (most - least);
+  const auto range = std::ranges::minmax(command_deg);
+  const double near_deg = kNear * (range.max - range.min);
   const auto there = std::ranges::count_if(command_deg, [&](double value) {
-    return value - least <= near_deg || most - value <= near_deg;
+    return value - range.min <= near_deg || range.max - value <= near_deg;
   });
   return static_cast<double>(there) >= kNearlyAlways * static_cast<double>(command_deg.size());
 }
