@@ -229,10 +229,11 @@ class StepFilter {
     return py::detail::array_proxy(array);
   }
   static Py_ssize_t SizeOf(PyObject* array) { return Proxy(array)->dimensions[0]; }
-  /// Null if it is not an array of doubles in one dimension without gaps.
+  /// Null if it is not an array of doubles in one dimension without gaps, or of a class made of
+  /// arrays, as masked ones.
   static const double* DoublesOf(PyObject* object) {
     const py::detail::npy_api& numpy = py::detail::npy_api::get();
-    if (!numpy.PyArray_Check_(object)) return nullptr;
+    if (Py_TYPE(object) != numpy.PyArray_Type_) return nullptr;
     const py::detail::PyArray_Proxy* array = Proxy(object);
     constexpr int kPlain =
         py::detail::npy_api::NPY_ARRAY_C_CONTIGUOUS_ | py::detail::npy_api::NPY_ARRAY_ALIGNED_;

@@ -35,6 +35,9 @@ class Filter(Test):
         with self.assertWarns(gauntlet.Remark):
             held = gauntlet.filter(np.ma.masked_array([1, 2, 3], [0, 1, 0]), "none", rate_hz=100)
         self.assertEqual(held.tolist(), [1, 1, 3])
+        stepped = gauntlet.Filter("none", rate_hz=100)
+        rows = np.ma.masked_array([[1.0, 5.0], [2.0, 6.0]], [[0, 0], [1, 0]])
+        self.assertEqual([stepped.step(row).tolist() for row in rows], [[1, 5], [1, 6]])
 
     def test_every_kind_gives_the_numbers_of_the_program(self):
         values = noisy(columns=18)
