@@ -36,7 +36,7 @@ struct ArrivalFacts {
 
   double duration_s() const { return 1e-9 * static_cast<double>(last_ns - first_ns); }
   double PerSecond(std::int64_t count) const;
-  /// Rate of the device, with what was lost and without what it repeated or its silences; NaN: none.
+  /// Rate of the device, with what was lost, without what it repeated and its silences; NaN: none.
   double Rate_hz() const;
 };
 
