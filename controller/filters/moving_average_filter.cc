@@ -12,28 +12,27 @@
 namespace gauntlet::controller {
 namespace {
 
+/// The entering sample takes the place of the leaving one, and the mean is that of `count` samples.
 /// sum + correction is the exact sum to about 106 bits, so that adding and taking away the same
 /// samples for days leaves nothing behind (Knuth's two-sum; Ogita, Rump, Oishi 2005).
-GAUNTLET_VECTORISED void AddTo(double* sum, double* correction, const double* entering,
-                               const double* leaving, int channel_count) {
+GAUNTLET_VECTORISED void Slide(double* sum, double* correction, double* place, const double* input,
+                               double count, double* mean, int channel_count) {
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
-    const double added = WithoutSubnormal(entering[i]);
-    const double with = sum[i] + added;
+    const double entering = WithoutSubnormal(input[i]);
+    const double leaving = place[i];
+    const double with = sum[i] + entering;
     const double part = with - sum[i];
-    const double lost = (sum[i] - (with - part)) + (added - part);
-    const double without = with - leaving[i];
+    const double lost = (sum[i] - (with - part)) + (entering - part);
+    const double without = with - leaving;
     const double part_out = without - with;
-    const double lost_out = (with - (without - part_out)) - (leaving[i] + part_out);
+    const double lost_out = (with - (without - part_out)) - (leaving + part_out);
+    const double corrected = correction[i] + (lost + lost_out);
+    place[i] = entering;
     sum[i] = without;
-    correction[i] += lost + lost_out;
+    correction[i] = corrected;
+    mean[i] = (without + corrected) / count;
   }
-}
-
-GAUNTLET_VECTORISED void Divide(const double* sum, const double* correction, double count,
-                                double* mean, int channel_count) {
-  GAUNTLET_CHANNEL_LOOP
-  for (int i = 0; i < channel_count; ++i) mean[i] = (sum[i] + correction[i]) / count;
 }
 
 class MovingAverageFilter final : public Filter {
@@ -50,10 +49,8 @@ class MovingAverageFilter final : public Filter {
   enum Array { kSum, kCorrection };
 
   void StepChecked(std::span<const double> input, std::span<double> output) noexcept override {
-    const int n = channel_count();
-    AddTo(sums_[kSum], sums_[kCorrection], input.data(), window_.Leaving(), n);
-    window_.Push(input);
-    Divide(sums_[kSum], sums_[kCorrection], window_.length(), output.data(), n);
+    Slide(sums_[kSum], sums_[kCorrection], window_.Advance(), input.data(), window_.length(),
+          output.data(), channel_count());
     if (!window_.all_full()) DivideByCount(output);
   }
   void ResetChecked(int channel) noexcept override {

@@ -17,12 +17,18 @@ SampleWindow::SampleWindow(int length, int channel_count, double empty)
 
 void SampleWindow::Push(std::span<const double> sample) noexcept {
   GAUNTLET_ASSERT(std::ssize(sample) == channel_count());
-  CopyWithoutSubnormals(sample.data(), rows_.row(next_).data(), channel_count());
+  CopyWithoutSubnormals(sample.data(), Advance(), channel_count());
+}
+
+double* SampleWindow::Advance() noexcept {
+  double* row = rows_.row(next_).data();
   next_ = next_ + 1 == length() ? 0 : next_ + 1;
-  if (filling_ == 0) return;
-  for (int channel = 0; channel < channel_count(); ++channel) {
-    SetCount(channel, std::min(count(channel) + 1, length()));
+  if (filling_ > 0) {
+    for (int channel = 0; channel < channel_count(); ++channel) {
+      SetCount(channel, std::min(count(channel) + 1, length()));
+    }
   }
+  return row;
 }
 
 void SampleWindow::SetCount(int channel, int count) noexcept {

@@ -20,6 +20,8 @@ class SampleWindow {
 
   /// The row that the next Push() overwrites: the sample that leaves the window.
   const double* Leaving() const noexcept { return rows_.row(next_).data(); }
+  /// Which of rows() that is.
+  int leaving_place() const noexcept { return next_; }
   /// The sample of `age` steps ago; 0 is the newest.
   const double* Row(int age) const noexcept {
     GAUNTLET_ASSERT(0 <= age && age < length());
@@ -30,6 +32,9 @@ class SampleWindow {
   const double* rows() const noexcept { return rows_.data(); }
   int newest() const noexcept { return next_ == 0 ? length() - 1 : next_ - 1; }
   void Push(std::span<const double> sample) noexcept;
+  /// As Push(), of a sample that the caller writes: into the row of the leaving one, which is given
+  /// as it was.
+  double* Advance() noexcept;
 
   /// How many samples of the channel the window holds.
   int count(int channel) const noexcept {

@@ -41,8 +41,9 @@ std::vector<double> WindowAt(const std::vector<double>& signal, std::size_t k, i
 }
 
 TEST(MedianFilter, IsTheMiddleOfTheSortedWindow) {
-  for (const int window : {1, 2, 3, 8, 21}) {
-    const std::vector<double> input = RoughSignal(500, 100 + window);
+  // Above 128 the order is kept by place: each parity, and windows that never become full.
+  for (const int window : {1, 2, 3, 8, 21, 128, 129, 130, 255, 400, 10001}) {
+    const std::vector<double> input = RoughSignal(1500, 100 + window);
     const std::vector<double> output = Filtered({MedianConfig{.window = window}}, input);
     for (std::size_t k = 0; k < input.size(); ++k) {
       ASSERT_EQ(output[k], MedianOf(WindowAt(input, k, window))) << window << " at " << k;
@@ -51,8 +52,8 @@ TEST(MedianFilter, IsTheMiddleOfTheSortedWindow) {
 }
 
 TEST(HampelFilter, FollowsItsDefinition) {
-  for (const int window : {1, 2, 3, 6, 7, 11}) {
-    const std::vector<double> input = RoughSignal(500, 200 + window);
+  for (const int window : {1, 2, 3, 6, 7, 11, 100, 128, 129, 256}) {
+    const std::vector<double> input = RoughSignal(700, 200 + window);
     const HampelConfig config{.window = window, .threshold_sigma = 0.9};
     const std::vector<double> output = Filtered({config}, input);
     int replaced = 0;
@@ -60,7 +61,7 @@ TEST(HampelFilter, FollowsItsDefinition) {
       std::vector<double> samples = WindowAt(input, k, window);
       const double median = MedianOf(samples);
       for (double& sample : samples) sample = std::abs(sample - median);
-      const double limit = 0.9 * 1.4826 * MedianOf(samples);
+      const double limit = std::max(0.9 * 1.4826 * MedianOf(samples), 1.0);  // whole numbers
       const bool outlier = std::abs(input[k] - median) > limit;
       replaced += outlier;
       ASSERT_EQ(output[k], outlier ? median : input[k]) << window << " at " << k;
@@ -82,6 +83,56 @@ TEST(HampelFilter, RemovesSpikesAndLeavesTheRestAlone) {
     changed += k % 100 != 0 && output[k] != spiked[k];
   }
   EXPECT_LT(changed, 40);
+}
+
+TEST(MedianFilter, ForgetsOneChannelOfALongWindowAlone) {
+  const std::vector<double> first = RoughSignal(1000, 31);
+  const std::vector<double> second = RoughSignal(1000, 32);
+  const auto filter = MakeFilter(MedianConfig{.window = 201}, 2, kRateHz);
+  constexpr int kReset = 333;  // the window is full, and its oldest place is none of the first
+  for (int k = 0; k < 1000; ++k) {
+    if (k == kReset) filter->ResetChannel(1);
+    const std::vector<double> input = {first[k], second[k]};
+    std::vector<double> output(2);
+    filter->Step(input, output);
+    ASSERT_EQ(output[0], MedianOf(WindowAt(first, k, 201)));
+    const int length = k < kReset ? 201 : std::min(201, k - kReset + 1);
+    ASSERT_EQ(output[1], MedianOf(WindowAt(second, k, length))) << k;
+  }
+}
+
+/// A sensor at rest: now and then its last digit is one step higher.
+std::vector<double> Resting(double at, double step) {
+  TestNoise noise(7);
+  std::vector<double> input;
+  for (int k = 0; k < 400; ++k) input.push_back(at + (noise.Uniform() < 0.4 ? step : 0.0));
+  return input;
+}
+
+TEST(HampelFilter, LeavesTheFlickerOfACountAlone) {
+  for (const int window : {11, 10, 101, 201}) {
+    const std::vector<double> input = Resting(500.0, 1.0);
+    EXPECT_EQ(Filtered({HampelConfig{.window = window}}, input), input) << window;
+  }
+}
+
+TEST(HampelFilter, LearnsTheStepOfOtherUnits) {
+  for (const int window : {11, 10}) {
+    const std::vector<double> input = Resting(31.25, 0.0625);
+    const std::vector<double> output = Filtered({HampelConfig{.window = window}}, input);
+    int changed = 0;
+    for (int k = 0; k < 400; ++k) changed += output[k] != input[k];
+    EXPECT_LT(changed, 20) << window;  // those before the first step of the median
+    for (int k = 100; k < 400; ++k) ASSERT_EQ(output[k], input[k]) << window << " at " << k;
+  }
+}
+
+TEST(HampelFilter, RemovesSpikesOfARestingSensor) {
+  for (const double at : {500.0, 31.25}) {
+    std::vector<double> input(400, at);
+    for (int k = 7; k < 400; k += 20) input[k] += 2.0;
+    EXPECT_EQ(Filtered({HampelConfig{}}, input), std::vector<double>(400, at)) << at;
+  }
 }
 
 TEST(SavitzkyGolayFilter, ReproducesPolynomialsOfItsOrder) {
