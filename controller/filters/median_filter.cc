@@ -49,7 +49,7 @@ class MedianFilter final : public SortedWindowFilter {
   }
 };
 
-/// What the samples of each channel have shown of the sensor's resolution so far.
+/// The sensor's resolution of each channel, as far as its samples have shown it.
 class Resolution {
  public:
   explicit Resolution(int channel_count) : arrays_(kCount, channel_count) { Reset(); }
