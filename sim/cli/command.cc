@@ -159,6 +159,29 @@ std::string ReasonOf(const CLI::ParseError& error) {
                      option.substr(sign + 3));
 }
 
+/// Words that people try as commands, and what does it here.
+struct OtherWord {
+  std::string_view word;
+  std::string_view command;
+};
+constexpr OtherWord kOtherWords[] = {
+    {"plot", "gauntlet inspect FILE --plot FILE.png"},
+    {"video", "gauntlet compare SCENARIO --video, or gauntlet render FOLDER"},
+    {"csv", "gauntlet compare SCENARIO --csv"},
+    {"simulate", "gauntlet run SCENARIO"},
+    {"start", "gauntlet run SCENARIO"},
+    {"optimize", "gauntlet tune SCENARIO"},
+    {"convert", "gauntlet inspect FILE --json, or gauntlet compare SCENARIO --mcap"},
+};
+
+std::string ExplainUnknownCommand(const std::vector<Command>& commands, const std::string& word) {
+  const auto other = std::ranges::find(kOtherWords, word, &OtherWord::word);
+  const std::string hint = other == std::end(kOtherWords)
+                               ? Suggestion(word, AllNames(commands))
+                               : fmt::format(" (did you mean {}?)", other->command);
+  return fmt::format("{}: no such command{}; see gauntlet --help", Shown(word), hint);
+}
+
 /// Explanation of a command line that CLI11 did not take: what was written, why it is not taken,
 /// and what was probably meant.
 std::string ExplainUsage(const std::vector<Command>& commands,
@@ -170,10 +193,7 @@ std::string ExplainUsage(const std::vector<Command>& commands,
     return UnknownOption(commands, program, arguments).value_or(ReasonOf(error));
   }
   const Command* command = FindNamed(commands, *word);
-  if (command == nullptr) {
-    return fmt::format("{}: no such command{}; see gauntlet --help", Shown(*word),
-                       Suggestion(*word, AllNames(commands)));
-  }
+  if (command == nullptr) return ExplainUnknownCommand(commands, *word);
   std::string problem = ReasonOf(error);
   const bool is_too_much = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
   if (is_too_much) problem = fmt::format("{}: more than {} takes", Shown(arguments.back()), *word);

@@ -112,6 +112,12 @@ void WarnIfUnchecked(const std::string& folder, bool checked) {
 void RunStudyCommand(const StudyCommand& asked) {
   StudyCommand options = asked;
   if (options.allow_programs) AllowPrograms();
+  // Before all --set, which may name them.
+  options.overrides = {};
+  for (const std::string& filter : asked.added) {
+    options.overrides.push_back("controllers+=" + filter);
+  }
+  std::ranges::copy(asked.overrides, std::back_inserter(options.overrides));
   if (!options.priority.empty()) options.overrides.push_back(PriorityOverride(options.priority));
   const std::string stem = std::filesystem::path(asked.scenario_file).stem().string();
   options.scenario_file = ScenarioOrOfRecording(asked.scenario_file, asked.recording,

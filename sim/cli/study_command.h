@@ -16,8 +16,9 @@ namespace gauntlet::sim {
 /// Common part of `run` and `compare`: options, and the way from a scenario to an output folder.
 struct StudyCommand {
   std::string scenario_file;
-  RecordingArguments recording;  // of a recording in place of a scenario
-  std::string out;               // empty: out/<scenario>
+  RecordingArguments recording;    // of a recording in place of a scenario
+  std::string out;                 // empty: out/<scenario>
+  std::vector<std::string> added;  // controllers, as in ApplySet()
   std::vector<std::string> overrides;
   std::vector<std::string> controllers;  // empty: all of the scenario
   int seeds = 1;                         // 0: of a comparison, 8 or one for each repetition
@@ -39,8 +40,12 @@ struct StudyCommand {
         ScenarioArgument(scenario_file),
         seeds_option,
         OutOption(out, "output folder [out/<scenario>]"),
-        SetOption(overrides,
-                  "change a value, as in --set controllers.tuned.filter.q=0.001; may be repeated"),
+        SetOption(
+            overrides,
+            "change a value, as in --set controllers.tuned.filter.q=0.001; += adds to it; may "
+            "be repeated"),
+        Option("--add", &added, {.value = "KIND:key=value"},
+               "another controller with this filter, as one_euro:beta=0.1; may be repeated"),
         ControllersOption(controllers),
         JobsOption(jobs),
         AllowProgramsOption(allow_programs),

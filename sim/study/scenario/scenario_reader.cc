@@ -23,6 +23,7 @@
 #include "sim/study/scenario/included_controllers.h"
 #include "sim/study/scenario/removed_settings.h"
 #include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/set_option.h"
 #include "sim/trial/external/own_objects.h"
 
 namespace gauntlet::sim {
@@ -275,7 +276,7 @@ YamlSource TreeOf(const ScenarioText& text, const Overrides& overrides,
   root = text.root;
   YamlSource source = text.source;
   PutRepetition(lists, repetition, ListsFrom::kFile, root, source);
-  for (const std::string& override : overrides) ApplyOverride(root, override, source);
+  for (const std::string& override : overrides) ApplySet(root, override, source);
   PutRepetition(lists, repetition, ListsFrom::kSet, root, source);
   return source;
 }
