@@ -195,6 +195,33 @@ fs::path Manifest::Checked(const std::string& name) const {
   return file;
 }
 
+std::vector<fs::path> OwnFiles(const fs::path& folder) {
+  std::optional<Content> content;
+  try {
+    content = Read(folder / kName);
+  } catch (const JsonError&) {
+    content.reset();
+  }
+  if (!content) {
+    throw UserError({.place = folder.string(),
+                     .problem = "has no manifest.json of gauntlet, must be an output folder"});
+  }
+  std::vector<fs::path> own;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_symlink() || !entry.is_regular_file()) continue;
+    const auto file = content->files.find(name);
+    const bool unchanged = file != content->files.end() &&
+                           file->second.bytes == entry.file_size() &&
+                           file->second.checksum == content->checksum.of_file(entry.path());
+    const bool kept =
+        name == kName || name == "study.db" || name == "study.db-wal" || name == "study.db-shm";
+    const bool derived = IsMadeOfResults(name) && name.find(".robot.") == std::string::npos;
+    if (unchanged || kept || derived) own.push_back(entry.path());
+  }
+  return own;
+}
+
 OutputFiles::OutputFiles(OutputPlan plan) : plan_(std::move(plan)) {
   const std::optional<Content> earlier = Earlier(plan_.folder / plan_.manifest);
   if (earlier && !earlier->command.empty() && earlier->command != plan_.command) {

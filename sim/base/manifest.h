@@ -42,6 +42,12 @@ class Manifest {
   std::map<std::string, FileMark> files_;
 };
 
+/// The files of an output folder that Gauntlet made and nobody has changed: those of its manifest,
+/// the manifest, the database of trials, video and tables. Exported controllers are not among them.
+/// Reads the files. Errors: UserError for a folder without a manifest, or with one that cannot be
+/// read.
+std::vector<std::filesystem::path> OwnFiles(const std::filesystem::path& folder);
+
 /// The files that a command will write into a folder.
 struct OutputPlan {
   std::filesystem::path folder;
@@ -56,7 +62,6 @@ struct OutputPlan {
 /// then renamed at once. If the program ends before, the folder is unchanged. If it is killed
 /// during the renaming, the folder is marked as unfinished. The destructor removes files that were
 /// not committed.
-/// was not committed.
 ///
 /// Files that the folder's manifest names are replaced, even if the command has read them: they are
 /// results of the same command. Other inputs, results of other commands and edited files are never

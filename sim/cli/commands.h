@@ -19,6 +19,7 @@ Command MakeExportCommand();
 Command MakeDiffCommand();
 Command MakeReportCommand();
 Command MakeShowCommand();
+Command MakeCleanCommand();
 Command MakeInspectCommand();
 Command MakeFilterCommand();
 Command MakeListCommand();

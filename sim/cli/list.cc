@@ -17,6 +17,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/hand/hand_model.h"
 #include "sim/recordings/profile.h"
+#include "sim/results/runs.h"
 #include "sim/score/score.h"
 #include "sim/settings/setting_rows.h"
 #include "sim/study/scenario/scenario.h"
@@ -248,6 +249,18 @@ std::vector<Entry> Profiles() {
   return entries;
 }
 
+std::vector<Entry> RunEntries() {
+  std::vector<Entry> entries;
+  for (const Run& run : FindRuns("out")) {
+    Entry& entry = entries.emplace_back();
+    entry.name = run.folder.string();
+    entry.summary = run.question;
+    entry.details = {run.answer, fmt::format("{}, {}", run.written, SizeText(run.bytes))};
+    entry.facts = {{"answer", run.answer}, {"written", run.written}, {"bytes", run.bytes}};
+  }
+  return entries;
+}
+
 const std::vector<Subject>& Subjects() {
   static const std::vector<Subject> kSubjects = {
       {"filters", "what a controller can do with the noise", FilterEntries},
@@ -262,6 +275,7 @@ const std::vector<Subject>& Subjects() {
       {"profiles", "devices and programs whose files are known", Profiles},
       {"scenarios", "ready questions", Scenarios},
       {"keys", "every key of a scenario file", ScenarioKeys},
+      {"runs", "output folders below out, the newest first, with their answers", RunEntries},
   };
   return kSubjects;
 }

@@ -62,8 +62,8 @@ std::vector<sim::Command> Commands() {
       sim::MakeInspectCommand(), sim::MakeCompareCommand(), sim::MakeTuneCommand(),
       sim::MakeRenderCommand(),  sim::MakeExportCommand(),  sim::MakeSweepCommand(),
       sim::MakeRobustCommand(),  sim::MakeRunCommand(),     sim::MakeShowCommand(),
-      sim::MakeReportCommand(),  sim::MakeDiffCommand(),    sim::MakeFilterCommand(),
-      sim::MakeListCommand(),    sim::MakeDoctorCommand()};
+      sim::MakeCleanCommand(),   sim::MakeReportCommand(),  sim::MakeDiffCommand(),
+      sim::MakeFilterCommand(),  sim::MakeListCommand(),    sim::MakeDoctorCommand()};
   for (sim::Command& command : sim::OtherCommands()) commands.push_back(std::move(command));
   std::ranges::stable_sort(commands, {}, &sim::Command::group);
   for (sim::Command& command : commands) {
