@@ -35,8 +35,8 @@ struct CleanOptions {
   }
 
   static constexpr auto kNotes = R"(
-Removes what Gauntlet wrote into an output folder and nobody has changed since.
-Other files, changed ones and exported controllers stay, and so does a folder
+Removes what Gauntlet wrote into an output folder, unless it was changed since.
+Changed files, other files and exported controllers stay, and so does a folder
 that holds one.
 
 Examples:

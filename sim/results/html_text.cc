@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <sstream>
 #include <stdexcept>
 
 #include "sim/base/json.h"
@@ -124,6 +125,27 @@ std::string HtmlOf(const ResultTable& table) {
       head, rows);
 }
 
+namespace {
+
+/// Lines of a text in one paragraph, but for warnings, which stand out by themselves.
+void AddParagraphs(const std::string& text, std::string& out) {
+  std::string lines;
+  const auto end_paragraph = [&](const char* kind) {
+    if (!lines.empty()) out += fmt::format("<p class=\"{}\">{}</p>\n", kind, HtmlOfText(lines));
+    lines.clear();
+  };
+  std::istringstream all(text);
+  for (std::string line; std::getline(all, line, kBreak);) {
+    const bool warns = line.starts_with("Warning: ");
+    if (warns) end_paragraph("note");
+    lines += (lines.empty() ? "" : std::string(1, kBreak)) + line;
+    if (warns) end_paragraph("note warn");
+  }
+  end_paragraph("note");
+}
+
+}  // namespace
+
 std::string HtmlOf(const ResultText& result) {
   std::string out;
   for (const auto& part : result) {
@@ -132,7 +154,7 @@ std::string HtmlOf(const ResultText& result) {
     } else if (const auto* lines = std::get_if<CommandLines>(&part)) {
       out += fmt::format("<pre tabindex=\"0\">{}</pre>\n", EscapeHtml(lines->text));
     } else if (const auto& text = std::get<std::string>(part); !text.empty()) {
-      out += fmt::format("<p class=\"note\">{}</p>\n", HtmlOfText(text));
+      AddParagraphs(text, out);
     }
   }
   return out;

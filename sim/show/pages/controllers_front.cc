@@ -18,10 +18,6 @@ namespace {
 
 constexpr double kPointRadius = 6.0;   // radius
 constexpr double kNameLetters = 13.0;  // of the names
-// Least width of a figure that names the band.
-constexpr double kWordWidth = 560.0;
-/// Best delay of the controller of a prosthesis. Source: Farrell and Weir 2007.
-constexpr Extent kBestDelay_ms = {100.0, 125.0};
 
 struct FrontPoint {
   std::size_t series;
@@ -104,26 +100,18 @@ text{fill:var(--muted);font:12.5px system-ui,"DejaVu Sans",sans-serif}
 .grid{stroke:var(--line)}.axis{stroke:var(--muted)}
 .point{fill:var(--series);stroke:var(--ground);stroke-width:1.5}
 .label{fill:var(--ink);font-size:13px;font-weight:500}
-.band{fill:var(--accent);opacity:.1}.band-name{fill:var(--accent)}
 )";
 
 std::string FrontOf(const std::vector<FrontPoint>& points, const char* kind, double width_px,
                     double height_px, std::string_view style_sheet = {}) {
   Figure figure{width_px, height_px, kind, SaidOf(points)};
-  Extent delay = {0.0, 145.0}, jitter = {0.0, 1e-3};  // at least
+  Extent delay = {0.0, 1.0}, jitter = {0.0, 1e-3};  // at least
   for (const FrontPoint& point : points) {
-    delay.Include(1.1 * point.delay_ms);
+    delay.Include(1.3 * point.delay_ms);  // with place for a name
     jitter.Include(1.15 * point.jitter_deg);
   }
   const Panel panel(figure.Inside(), {delay, "delay, ms", width_px < 500.0 ? 5 : 9},
                     {jitter, "jitter, deg RMS", 5, true});
-  const auto [left, top, right, bottom] = panel.area();
-  const double band = panel.X(kBestDelay_ms.low);
-  figure.Box({band, top}, {panel.X(kBestDelay_ms.high), bottom}, {"band"});
-  if (width_px >= kWordWidth) {
-    figure.Text({band + 7.0, bottom - 23.0}, Anchor::kStart, "100 to", {"band-name"});
-    figure.Text({band + 7.0, bottom - 7.0}, Anchor::kStart, "125 ms", {"band-name"});
-  }
   panel.AddAxes(figure);
   std::vector<FigurePoint> places;
   for (const FrontPoint& point : points) {

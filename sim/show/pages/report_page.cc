@@ -24,6 +24,7 @@
 #include "sim/show/figure/panel.h"
 #include "sim/show/pages/assets.h"
 #include "sim/show/pages/controllers_front.h"
+#include "sim/show/pages/headline.h"
 #include "sim/show/pages/page_data.h"
 #include "sim/show/pages/score_table.h"
 #include "sim/study/counted_parts.h"
@@ -278,6 +279,8 @@ std::string AssemblePage(const PageParts& parts) {
        {"question", EscapeHtml(parts.question)},
        {"facts", EscapeHtml(parts.facts)},
        {"verdict", EscapeHtml(parts.verdict)},
+       {"headline", EscapeHtml(parts.headline)},
+       {"differences", parts.differences},
        {"numbers", parts.numbers},
        {"doubts", parts.doubts},
        {"answer", parts.answer},
@@ -302,6 +305,8 @@ std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) 
        .question = finished.study.scenario.question,
        .facts = Facts(finished),
        .verdict = fmt::format("{}", fmt::join(finished.summary.answer.verdict.Answer(), " ")),
+       .headline = Headline(finished.summary),
+       .differences = HeadlineDifferences(finished.summary),
        .numbers = HtmlOf(ShownText(finished)),
        .doubts = HtmlOf(notes),
        .answer = HtmlOf(AnswerText(finished)),

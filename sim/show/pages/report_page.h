@@ -32,6 +32,8 @@ struct PageParts {
   std::string question;
   std::string facts;  // duration, joints, seeds, reference
   std::string verdict;
+  std::string headline = {};      // the verdict in at most eight words
+  std::string differences = {};   // HTML of the differences to the baseline
   std::string numbers = {};       // HTML of the scores that the verdict is about
   std::string doubts = {};        // HTML of the warnings of the verdict
   std::string answer = {};        // HTML of the table of all controllers, for pages without scripts

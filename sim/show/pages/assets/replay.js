@@ -22,6 +22,7 @@ class ReplayView extends HandScene {
     this.chooseControllers();
     this.placeCamera(this.hand, this.postures());
     this.listen();
+    this.nameHands();
     this.show(0);
     if (this.loop) this.showDecisiveSecond();
   }
@@ -112,6 +113,16 @@ class ReplayView extends HandScene {
     this.draw();
   }
 
+  // Whose hands are seen, each with its colour.
+  nameHands() {
+    const {hand, other, ghost} = this.shown();
+    const name = (controller) => this.data.controllers[controller].name;
+    const dot = (colour) => element("span", {class: "dot", style: `--colour: ${colour}`});
+    byId("replay-legend").replaceChildren(`Solid: ${name(hand)}`,
+      ...(other < 0 ? [] : [" \u00a0", dot(colourName(other)), name(other)]),
+      ...(ghost === -1 ? [] : [" \u00a0", dot("var(--wearer)"), "wearer"]));
+  }
+
   // What is drawn is asked for once per frame of the screen, and only while it is in sight.
   draw() {
     cancelAnimationFrame(this.frame);
@@ -160,7 +171,10 @@ class ReplayView extends HandScene {
 
   listen() {
     for (const id of ["replay-hand", "replay-other", "replay-ghost"]) {
-      byId(id).addEventListener("change", () => this.show(this.time));
+      byId(id).addEventListener("change", () => {
+        this.nameHands();
+        this.show(this.time);
+      });
     }
     byId("replay-play").addEventListener("click", () => {
       if (this.playing) this.leaveLoop();
