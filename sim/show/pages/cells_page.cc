@@ -43,8 +43,7 @@ std::string HeatSection(const CellPoints& gathered) {
   if (drawings.empty()) return "";
   return PageSection(
       "heat", "Two settings at a time",
-      fmt::format("The best {} over all other settings, of what keeps all bounds. The "
-                  "warmest is the worst.",
+      fmt::format("The best {} over all other settings, of what keeps all bounds. Darker: worse.",
                   Metrics()[gathered.best_by()].key),
       "<p class=\"controls\" id=\"heat-controls\" hidden><label "
       "for=\"heat-pair\">Settings</label> <select id=\"heat-pair\"></select></p>\n" +
