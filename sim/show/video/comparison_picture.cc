@@ -229,8 +229,8 @@ double ComparisonPicture::DrawLegend(Painter& painter, double right, double base
     bool from_white = false;
   };
   const Entry entries[] = {
-      {fmt::format("joint error 0 to {:g}°", colour_scale_.full_error_deg), palette::kMutedOnLight,
-       true, true},
+      {fmt::format("joint error 0 to {:g}°", colour_scale_.full_error_deg),
+       input_.overlay ? palette::kMutedOnLight : palette::kJointError, true, true},
       {"wearer", palette::kWearer.OnLight()},
       {input_.panes.back().title, ColourOfPane(input_, static_cast<int>(input_.panes.size()) - 1),
        input_.overlay},

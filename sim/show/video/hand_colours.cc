@@ -6,6 +6,7 @@
 
 #include "sim/base/quantile.h"
 #include "sim/score/motors.h"
+#include "sim/show/video/palette.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -83,9 +84,10 @@ HandColours::HandColours(const VideoInput& input, const HandModel& hand, const C
 SceneColours HandColours::Of(int pane, int sample) {
   ShareOfPull(input_.panes[pane], sample);
   ShareOfError(input_.panes[pane], sample);
+  // Hands over each other are told apart by their colours.
   return {.cable_share = cable_share_,
           .link_share = link_share_,
-          .link = Pale(ColourOfPane(input_, pane))};
+          .link = input_.overlay ? Pale(ColourOfPane(input_, pane)) : palette::kJointError};
 }
 
 void HandColours::ShareOfPull(const VideoPane& pane, int sample) {

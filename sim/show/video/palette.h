@@ -13,6 +13,7 @@ inline constexpr Color kViewBottom = Rgb(0xf6f8fa);
 inline constexpr Color kGrid = Rgb(0xe6eaef);
 inline constexpr Color kInkOnLight = kInk.OnLight();
 inline constexpr Color kMutedOnLight = kMuted.OnLight();
+inline constexpr Color kJointError = Rgb(0xf5820b);  // on all hands, dark and light parts
 inline constexpr Color kWarning = Rgb(0xb42318);
 inline constexpr Color kBetter = kGood.OnLight();
 
