@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -10,6 +12,7 @@
 
 #include "controller/joint_map.h"
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
 #include "sim/base/manifest.h"
 #include "sim/base/output_file.h"
 #include "sim/base/signal.h"
@@ -17,6 +20,8 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
+#include "sim/hand/hand_model.h"
+#include "sim/hand/mjcf_export.h"
 #include "sim/results/table_text.h"
 #include "sim/settings/robot_constants.h"
 #include "sim/settings/robot_file.h"
@@ -32,25 +37,27 @@ namespace {
 
 struct ExportOptions {
   static constexpr auto kName = "export";
-  static constexpr auto kPurpose = "Write a controller's settings for the robot";
+  static constexpr auto kPurpose = "Write a controller for the robot, or the hand";
   static constexpr auto kGroup = Group::kEveryday;
   std::string folder;
   std::string controller;
   std::string out;  // empty: NAME.robot.yaml (or another ending) in the folder
   bool text = false;
   bool embedded = false;
+  bool mjcf = false;
 
   Options Rows() {
     return {
         Argument("folder", &folder, Offer::kFolders, "output folder of run or compare"),
-        Option("--controller", &controller,
-               {.value = "NAME", .offer = Offer::kControllers, .required = true},
-               "which controller of the scenario"),
+        Option("--controller", &controller, {.value = "NAME", .offer = Offer::kControllers},
+               "which controller of the scenario; needed without --mjcf"),
         OutOption(out, "file to write [NAME.robot.yaml in the folder]", "FILE"),
         Option("--text", &text, {},
                "write plain text [NAME.robot.txt], for C, Python, MATLAB and others"),
         Option("--embedded", &embedded, {.excludes = {"--text"}},
                "write a C++ header for a microcontroller, in float [NAME.embedded.robot.h]"),
+        Option("--mjcf", &mjcf, {.excludes = {"--controller", "--text", "--embedded"}},
+               "write the hand as one MJCF file for any MuJoCo [hand.mjcf.xml]"),
     };
   }
 
@@ -60,14 +67,19 @@ hand's motors and coupling, and the clocks. The calibration is that of the trial
 file of the controller, else the column map of a recording in counts, else the simulated glove.
 The first lines contain warnings about it, the joints without a sensor, and how to load the file.
 
-Example:
+--mjcf writes no controller but the hand, for simulation without Gauntlet. Its cables are spatial
+tendons of MuJoCo with an actuator each; meshes stand beside the file in a folder of its name.
+
+Examples:
   gauntlet export out/door_opening --controller tuned_kalman --out robot.yaml
+  gauntlet export out/door_opening --mjcf --out hand.xml
 )";
 };
 
 std::filesystem::path TargetOf(const ExportOptions& options) {
   const std::filesystem::path folder = options.folder;
   if (options.out.empty()) {
+    if (options.mjcf) return folder / "hand.mjcf.xml";
     const char* ending = options.text       ? ".robot.txt"
                          : options.embedded ? ".embedded.robot.h"
                                             : ".robot.yaml";
@@ -174,11 +186,33 @@ controller::ControllerConfig ForRobot(const Scenario& scenario,
   return ControllerForRobot(study, config);
 }
 
+void WriteMjcf(const Scenario& scenario, const HandModel& hand,
+               const std::filesystem::path& target) {
+  const std::filesystem::path folder = target.stem().string() + "_files";
+  const ExportedMjcf exported = ExportMjcf(hand, scenario.name, folder);
+  OutputFile file(target);  // refused before anything is written
+  for (const ModelAsset& asset : exported.assets) {
+    std::ifstream stream(InputFile(asset.source), std::ios::binary);
+    const std::string content(std::istreambuf_iterator<char>(stream), {});
+    MakeDirectoryOf(target.parent_path() / asset.target);
+    WriteOutputFile(target.parent_path() / asset.target, content);
+  }
+  file.Write(exported.text);
+  file.Commit();
+  for (const std::string& note : hand.notes()) Say("gauntlet: {}\n", note);
+  for (const std::string& note : exported.notes) Say("gauntlet: {}\n", note);
+  Say("wrote {}\n", target.string());
+}
+
 void RunExport(const ExportOptions& options) {
+  if (options.controller.empty() && !options.mjcf) {
+    throw UserError("--controller is required; see gauntlet export --help");
+  }
   const Manifest manifest(options.folder);
   const Scenario scenario = LoadScenario(manifest.Checked("scenario.resolved.yaml"), {});
-  const NamedController& named = FindController(scenario, options.controller);
-  if (HasPrograms(named.config)) {
+  const NamedController* const named =
+      options.mjcf ? nullptr : &FindController(scenario, options.controller);
+  if (named != nullptr && HasPrograms(named->config)) {
     throw UserError({.place = "--controller " + options.controller,
                      .key = "filter",
                      .problem = "is a program (kind external), which a robot's file cannot "
@@ -191,10 +225,11 @@ void RunExport(const ExportOptions& options) {
   if (!elsewhere.empty()) Say("gauntlet: {}\n", elsewhere);
   const std::filesystem::path target = TargetOf(options);
   MakeDirectoryOf(target);
-  const controller::RobotConfig robot = RobotOf(scenario, hand, ForRobot(scenario, named.config));
+  if (named == nullptr) return WriteMjcf(scenario, hand, target);
+  const controller::RobotConfig robot = RobotOf(scenario, hand, ForRobot(scenario, named->config));
   const RobotOrigin origin{.gauntlet_version = GAUNTLET_VERSION,
                            .scenario = scenario.name,
-                           .controller = named.name,
+                           .controller = named->name,
                            .model_hash = hand.Hash(),
                            .file = target.filename().string()};
   const std::vector<std::string> notes = NotesOf(scenario.glove, robot);

@@ -319,13 +319,12 @@ HandModel::HandModel(const HandConfig& config)
     : HandModel(config, MakeLoopTiming({.longest_step_ms = config.step_ms})) {}
 
 HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
-    : config_(config), timing_(timing), model_(nullptr, &mj_deleteModel) {
+    : config_(config), file_(ModelPath(config)), timing_(timing), model_(nullptr, &mj_deleteModel) {
   RedirectMujocoMessages();
   controller::CheckSettings(config);
-  const std::filesystem::path path = ModelPath(config);
-  if (!config.model_path.empty()) TryModel(path, "hand.model_path");
+  if (!config.model_path.empty()) TryModel(file_, "hand.model_path");
   ReadableMjcf readable;
-  model_.reset(LoadModel(path, readable));
+  model_.reset(LoadModel(file_, readable));
   notes_ = readable.notes;
   if (const std::string engine = EngineNote(); !engine.empty()) {
     notes_.insert(notes_.begin(), engine);
@@ -341,15 +340,15 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
   }
   CheckCurrentLimit(config.servo.numbers(), "hand.servo");
   CheckCurrentLimit(config.arm_servo.numbers(), "hand.arm_servo");
-  InModelFile(path, [&] {
+  InModelFile(file_, [&] {
     if (config.contact == Contact::kObject) grasp_ = MakeObject(*model_, config.object);
     followers_ = FindFollowers(*model_);
   });
   const int motors = ActuatorCount(*model_);
   if (motors > 0) CheckLists(config, static_cast<std::size_t>(motors));
-  InModelFile(path, [&] { drives_ = FindDrives(*model_, config); });
+  InModelFile(file_, [&] { drives_ = FindDrives(*model_, config); });
   CheckThereAreCables(config, drives_);
-  InModelFile(path, [&] {
+  InModelFile(file_, [&] {
     const auto all = FindJoints(*model_, followers_, SpoolPositions(drives_));
     PlaceShafts(*model_, all, followers_, drives_);
     FindCables(*model_, config, all, followers_, drives_);
@@ -362,7 +361,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
     }
   });
   transmission_ =
-      InModelFile(path, [&] { return MakeTransmission(config, joints_, followers_, drives_); });
+      InModelFile(file_, [&] { return MakeTransmission(config, joints_, followers_, drives_); });
   center_error_rad_ = AssembleWithErrors(config.assembly_error, joints_, followers_, drives_);
   as_built_ = MakeTransmission(config, joints_, followers_, drives_);
   ScaleFriction(config.motor_friction_scale, drives_);
@@ -381,7 +380,7 @@ HandModel::HandModel(const HandConfig& config, const LoopTiming& timing)
       model_->tendon_damping[cable.tendon] = 0.0;
     }
   }
-  InModelFile(path, [&] { physics_.emplace(*model_, drives_, engine_measures_cables_); });
+  InModelFile(file_, [&] { physics_.emplace(*model_, drives_, engine_measures_cables_); });
   for (Drive& drive : drives_) {
     for (Cable& cable : drive.cables) NumberAsIn(*physics_, cable);
     for (ShaftJoint& joint : drive.shaft.joints) {

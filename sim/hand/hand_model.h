@@ -44,6 +44,8 @@ class HandModel {
   /// Some cable is no sum of functions of one joint angle each: slower.
   bool engine_measures_cables() const { return engine_measures_cables_; }
   const HandConfig& config() const { return config_; }
+  /// The file that the model was read from.
+  const std::filesystem::path& file() const { return file_; }
   const LoopTiming& timing() const { return timing_; }
   /// Facts of this hand for a controller: joints, motors, coupling, ranges, counts.
   const controller::TendonTransmission& transmission() const { return transmission_; }
@@ -90,6 +92,7 @@ class HandModel {
 
  private:
   HandConfig config_;
+  std::filesystem::path file_;
   LoopTiming timing_;
   std::vector<std::string> notes_;
   std::unique_ptr<mjModel_, void (*)(mjModel_*)> model_;

@@ -83,20 +83,32 @@ std::string Escaped(const std::string& value) {
   return text;
 }
 
-void Append(const MjcfElement& element, const std::filesystem::path& file, int& line,
-            std::string& text) {
-  for (; element.file == file && line < element.line; ++line) text += '\n';
+/// The element without its children. Returns whether it has some, and so needs an end.
+bool AppendBegin(const MjcfElement& element, std::string& text) {
   text += '<' + element.name;
   for (const auto& [name, value] : element.attributes) {
     text += fmt::format(" {}=\"{}\"", name, Escaped(value));
   }
-  if (element.children.empty()) {
-    text += "/>";
-    return;
-  }
-  text += '>';
+  text += element.children.empty() ? "/>" : ">";
+  return !element.children.empty();
+}
+
+void Append(const MjcfElement& element, const std::filesystem::path& file, int& line,
+            std::string& text) {
+  for (; element.file == file && line < element.line; ++line) text += '\n';
+  if (!AppendBegin(element, text)) return;
   for (const MjcfElement& child : element.children) Append(child, file, line, text);
   text += fmt::format("</{}>", element.name);
+}
+
+void AppendIndented(const MjcfElement& element, std::size_t depth, std::string& text) {
+  const std::string indent(2 * depth, ' ');
+  text += indent;
+  const bool has_children = AppendBegin(element, text);
+  text += '\n';
+  if (!has_children) return;
+  for (const MjcfElement& child : element.children) AppendIndented(child, depth + 1, text);
+  text += fmt::format("{}</{}>\n", indent, element.name);
 }
 
 }  // namespace
@@ -146,6 +158,12 @@ std::string MjcfText(const MjcfElement& root) {
   int line = 1;
   Append(root, root.file, line, text);
   return text += '\n';
+}
+
+std::string IndentedMjcfText(const MjcfElement& root) {
+  std::string text;
+  AppendIndented(root, 0, text);
+  return text;
 }
 
 }  // namespace gauntlet::sim

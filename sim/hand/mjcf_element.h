@@ -32,4 +32,7 @@ MjcfElement ReadMjcf(const std::filesystem::path& file);
 /// other files leave them.
 std::string MjcfText(const MjcfElement& root);
 
+/// Text of the element for people: each element in a line of its own.
+std::string IndentedMjcfText(const MjcfElement& root);
+
 }  // namespace gauntlet::sim

@@ -76,16 +76,6 @@ class GeomClasses {
   std::map<std::string, Class> classes_;
 };
 
-/// Settings of the <compiler> elements; a later one counts.
-std::string CompilerSetting(const MjcfElement& root, std::string_view attribute) {
-  std::string value;
-  for (const MjcfElement& section : root.children) {
-    if (section.name != "compiler") continue;
-    if (const std::string* const found = section.Find(attribute)) value = *found;
-  }
-  return value;
-}
-
 bool IsZero(const std::string& number) {
   return !number.empty() && controller::ParseNumber(number) == 0.0;
 }
@@ -255,9 +245,19 @@ void InsertIncludes(MjcfElement& element, const fs::path& folder, std::set<fs::p
 
 }  // namespace
 
+std::string CompilerSetting(const MjcfElement& root, std::string_view attribute) {
+  std::string value;
+  for (const MjcfElement& section : root.children) {
+    if (section.name != "compiler") continue;
+    if (const std::string* const found = section.Find(attribute)) value = *found;
+  }
+  return value;
+}
+
 ReadableMjcf ReadModelText(const fs::path& model, bool exact_meshes) {
-  MjcfElement root = ReadMjcf(model);
   ReadableMjcf readable;
+  readable.root = ReadMjcf(model);
+  MjcfElement& root = readable.root;
   if (root.name == "mujoco") {
     std::set<fs::path> included = {model.lexically_normal()};
     InsertIncludes(root, model.parent_path(), included);
@@ -268,7 +268,6 @@ ReadableMjcf ReadModelText(const fs::path& model, bool exact_meshes) {
   // Names of other people's files become lines of a terminal and comments of a scenario.
   constexpr std::size_t kLongest = 500;
   for (std::string& note : readable.notes) note = OneLine(note, kLongest);
-  readable.text = MjcfText(root);
   return readable;
 }
 

@@ -2,13 +2,16 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "sim/hand/mjcf_element.h"
 
 namespace gauntlet::sim {
 
 /// A model as MuJoCo 2.2.2 can compile it.
 struct ReadableMjcf {
-  std::string text;
+  MjcfElement root;
   std::vector<std::string> notes;  // what was left out of the files, a sentence each
   bool lacks_contact_shapes = false;
 };
@@ -19,5 +22,8 @@ struct ReadableMjcf {
 /// `exact_meshes`: the engine adds up the volume of meshes with signs (kExactMeshes).
 /// Errors: UserError with file and line.
 ReadableMjcf ReadModelText(const std::filesystem::path& model, bool exact_meshes = false);
+
+/// A setting of the <compiler> elements of a model, of which a later one counts; empty without one.
+std::string CompilerSetting(const MjcfElement& root, std::string_view attribute);
 
 }  // namespace gauntlet::sim

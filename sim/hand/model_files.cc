@@ -162,10 +162,11 @@ Model Compile(const fs::path& path, const std::string& text, std::string& messag
 mjModel* LoadModel(const fs::path& path, ReadableMjcf& readable) {
   readable = ReadModelText(path);
   std::string message;
-  Model model = Compile(path, std::exchange(readable.text, {}), message);
+  Model model = Compile(path, MjcfText(readable.root), message);
+  readable.root = {};
   if (model == nullptr) throw UserError({.place = path.string(), .problem = message});
   const auto compile_exactly = [&] {
-    return Compile(path, ReadModelText(path, true).text, message);
+    return Compile(path, MjcfText(ReadModelText(path, true).root), message);
   };
   NoteMeshMasses(path, *model, compile_exactly, readable.notes);
   return model.release();

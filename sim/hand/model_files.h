@@ -14,7 +14,7 @@ namespace gauntlet::sim {
 void RegisterModelFiles(const std::filesystem::path& model);
 
 /// The compiled model of an MJCF file as ReadModelText() gives it; the caller deletes it.
-/// `readable` gets all but the text. Errors: UserError with the file.
+/// `readable` gets all but the elements. Errors: UserError with the file.
 mjModel_* LoadModel(const std::filesystem::path& path, ReadableMjcf& readable);
 
 /// Loads a model of other people in a helper process with limits: the engine trusts a model file,

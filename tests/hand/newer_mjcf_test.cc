@@ -203,7 +203,7 @@ TEST_F(NewerMjcfTest, IncludesAreRelativeToTheModelAndCommentsMayHoldDashes) {
   const auto model = Write("model.xml",
                            "<mujoco><worldbody>\n<body><include file='parts/body.xml'/></body>\n"
                            "</worldbody></mujoco>");
-  EXPECT_THAT(ReadModelText(model).text, HasSubstr("<body><geom size=\"0.1\"/></body>"));
+  EXPECT_THAT(MjcfText(ReadModelText(model).root), HasSubstr("<body><geom size=\"0.1\"/></body>"));
   Write("parts/geom.xml", "<mujocoinclude><include file='parts/body.xml'/></mujocoinclude>");
   EXPECT_THROW(ReadModelText(model), UserError);
 }
@@ -219,7 +219,7 @@ std::string WithMesh(const std::string& inertial, const std::string& geom) {
 TEST_F(NewerMjcfTest, ShapesWithoutAFileAreLeftOutWhereNoMassComesFromThem) {
   const std::string inertial = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>";
   const ReadableMjcf seen = ReadModelText(Write("a.xml", WithMesh(inertial, "<geom/>")));
-  EXPECT_THAT(seen.text, ::testing::Not(HasSubstr("<geom/>")));
+  EXPECT_THAT(MjcfText(seen.root), ::testing::Not(HasSubstr("<geom/>")));
   ASSERT_EQ(seen.notes.size(), 1u);
   EXPECT_THAT(seen.notes[0], HasSubstr("none.stl"));
   EXPECT_FALSE(seen.lacks_contact_shapes);
