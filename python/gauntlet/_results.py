@@ -8,9 +8,12 @@ import io
 import json
 import os
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple, Optional
+from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
+
+from . import _lerobot
+from ._errors import SettingError
 
 
 class Column(NamedTuple):
@@ -214,6 +217,22 @@ class StudyResult(Result):
         """All signals of a controller in the first seed."""
         place = self.controllers.index(controller)
         return SignalArrays(self._study.trace(place), self._study.tick_rate_hz)
+
+    def to_lerobot(self, folder: Union[str, "os.PathLike[str]"], *, controllers: Optional[Sequence[str]] = None,
+                   fps: int = 50) -> None:
+        """Writes a LeRobot data set (v3.0) into a new folder: an episode for each controller in the first seed, with its
+        name as task. `action` is the joint angles commanded, `observation.state` those of the hand [rad].
+
+        controllers  names; None: all
+        fps          frames per second, a part of the tick rate
+        Errors: SettingError; ImportError without pandas or pyarrow.
+        """
+        chosen = list(self.controllers if controllers is None else controllers)
+        unknown = [name for name in chosen if name not in self.controllers]
+        if unknown or not chosen:
+            raise SettingError("controllers", "", f"{unknown[0]!r} is unknown, must be one of {', '.join(self.controllers)}"
+                               if unknown else "is empty")
+        _lerobot.write(folder, [(name, self.trace(name)) for name in chosen], fps)
 
     @property
     def glove(self) -> SignalArrays:

@@ -1,9 +1,13 @@
 import html.parser
+import json
+import pathlib
 import sys
 import types
 import unittest
 import unittest.mock
 import xml.etree.ElementTree
+
+import numpy as np
 
 import gauntlet
 from support import SHORT, Test, program
@@ -107,6 +111,50 @@ class Results(Test):
         except ImportError:
             return
         self.assertEqual(result.trace("raw").to_xarray().hand_angle_rad.sel(joint="index_mcp").shape, (200,))
+
+    def test_lerobot_gets_an_episode_for_each_controller(self):
+        result = gauntlet.run("hold_still", controllers=["raw", "mean_20"], set={"glove.motion.duration_s": 0.4}, causes="none")
+
+        class Frame(dict):
+            def __init__(self, values, index=None):
+                super().__init__(values if isinstance(values, dict) else {"rows": values})
+
+            def to_parquet(self, file, index=True):
+                file.write_text(",".join(self))
+
+        fake = types.SimpleNamespace(DataFrame=Frame, concat=lambda frames, ignore_index: frames[0])
+        with unittest.mock.patch.dict(sys.modules, {"pandas": fake}):
+            result.to_lerobot("fake/data", fps=100)
+        folder = pathlib.Path("fake/data")
+        info, stats = (json.loads((folder / f"meta/{name}.json").read_text()) for name in ("info", "stats"))
+        self.assertEqual((info["fps"], info["total_episodes"], info["total_frames"]), (100, 2, 80))
+        trace = result.trace("raw")
+        for key, signal in (("action", "target_angle_rad"), ("observation.state", "hand_angle_rad")):
+            self.assertEqual(info["features"][key]["names"], [name + "_rad" for name in trace.names[signal]])
+            both = np.concatenate([result.trace(name)[signal][::10].astype(np.float32) for name in result.controllers])
+            np.testing.assert_allclose(stats[key]["mean"], both.astype(float).mean(0))
+            self.assertEqual(stats[key]["count"], [80])
+        self.assertEqual((folder / "data/chunk-000/file-000.parquet").read_text().split(",")[:3],
+                         ["action", "observation.state", "timestamp"])
+        for arguments, problem in (({"fps": 30}, "fps: is 30, must be 1 or more and divide the 1000 ticks per second"),
+                                   ({"fps": 0}, "fps: is 0, must be"), ({"controllers": ["non"]}, "controllers: 'non' is unknown"),
+                                   ({"controllers": []}, "controllers: is empty")):
+            with self.assertRaisesRegex(gauntlet.SettingError, problem):
+                result.to_lerobot("new", **arguments)
+        with self.assertRaisesRegex(gauntlet.SettingError, "folder: fake/data exists; a data set needs a new folder"):
+            result.to_lerobot("fake/data")
+        self.assertEqual([path.name for path in pathlib.Path("fake").iterdir()], ["data"])
+        try:
+            import pandas
+            import pyarrow
+        except ImportError:
+            return
+        result.to_lerobot("real", fps=100)
+        rows = pandas.read_parquet("real/data/chunk-000/file-000.parquet")
+        second = np.stack(rows["observation.state"][rows["episode_index"] == 1])
+        np.testing.assert_array_equal(second, result.trace("mean_20")["hand_angle_rad"][::10].astype(np.float32))
+        self.assertEqual(pandas.read_parquet("real/meta/tasks.parquet")["task_index"].to_dict(), {"raw": 0, "mean_20": 1})
+        self.assertEqual(gauntlet.audit("real").data["episodes"], 2)
 
     def test_the_figure_is_a_picture_with_all_controllers(self):
         self.assertIsNone(self.result.figure)  # a hand at rest has no delay
