@@ -7,10 +7,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <numbers>
 #include <set>
 #include <span>
-#include <string_view>
+#include <utility>
 
+#include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/hand/mjcf_reader.h"
 #include "sim/hand/mujoco_versions.h"
@@ -284,7 +287,71 @@ class MjcfExporter {
     key.Set("qpos", Numbers(kept));
   }
 
+  /// Angle of a site about the axis of a cylinder, from another site [rad], within -pi .. pi.
+  static double AngleAbout(const mjData& data, int cylinder, int site, int from_site) {
+    const auto angle = [&](int at) {
+      mjtNum offset[3], in_frame[3];
+      mju_sub3(offset, data.site_xpos + std::ptrdiff_t{3} * at,
+               data.geom_xpos + std::ptrdiff_t{3} * cylinder);
+      MulMatTVec3(in_frame, data.geom_xmat + std::ptrdiff_t{9} * cylinder, offset);
+      return std::atan2(in_frame[1], in_frame[0]);
+    };
+    return std::remainder(angle(site) - angle(from_site), 2.0 * std::numbers::pi);
+  }
+
+  /// Since MuJoCo 4.0 a cable goes around a pulley as the line from guide through side site to guide
+  /// does. Where a guide passes the place opposite of the side site, this line changes to the other
+  /// side, and the cable with it.
+  void NoteSideSites() {
+    const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(&model_), &mj_deleteData);
+    if (data == nullptr) throw RunError("not enough memory for the hand's model");
+    struct Guide {
+      int tendon;
+      int cylinder;
+      int site;
+      int side_site;
+      double angle_rad = 0.0;
+    };
+    std::vector<Guide> guides;
+    for (const Drive& drive : hand_.drives()) {
+      for (const Cable& cable : drive.cables) {
+        const int first = model_.tendon_adr[cable.tendon];
+        for (int at = first + 1; at + 1 < first + model_.tendon_num[cable.tendon]; ++at) {
+          const int side = static_cast<int>(std::lround(model_.wrap_prm[at]));
+          if (model_.wrap_type[at] != mjWRAP_CYLINDER || side < 0) continue;
+          for (const int end : {at - 1, at + 1}) {
+            guides.push_back({cable.tendon, model_.wrap_objid[at], model_.wrap_objid[end], side});
+          }
+        }
+      }
+    }
+    constexpr int kPostures = 65;
+    std::set<std::pair<int, int>> noted;
+    for (int posture = 0; posture < kPostures; ++posture) {
+      std::vector<double> angle_rad;
+      for (const HandJoint& joint : hand_.joints()) {
+        angle_rad.push_back(joint.min_rad +
+                            posture * (joint.max_rad - joint.min_rad) / (kPostures - 1));
+      }
+      std::ranges::copy(PostureOf(model_, hand_.joints(), angle_rad, hand_.followers()),
+                        data->qpos);
+      mj_kinematics(&model_, data.get());
+      for (Guide& guide : guides) {
+        const double now_rad = AngleAbout(*data, guide.cylinder, guide.site, guide.side_site);
+        const double turned_rad = std::abs(now_rad - std::exchange(guide.angle_rad, now_rad));
+        if (posture == 0 || turned_rad < std::numbers::pi) continue;
+        if (!noted.emplace(guide.tendon, guide.cylinder).second) continue;
+        const char* const pulley = mj_id2name(&model_, mjOBJ_GEOM, guide.cylinder);
+        notes_.push_back(fmt::format(
+            "In MuJoCo 4.0 {} snaps off its pulley {}, whose side site lies opposite of a guide in "
+            "some posture: put it in the middle of the arc.",
+            mj_id2name(&model_, mjOBJ_TENDON, guide.tendon), pulley));
+      }
+    }
+  }
+
   void Note() {
+    NoteSideSites();
     const bool has_cables =
         std::ranges::any_of(hand_.drives(), [](const Drive& drive) { return !drive.has_shaft(); });
     notes_.push_back(fmt::format(

@@ -242,6 +242,20 @@ TEST_F(MjcfExportOfFile, NothingNamesWhatHasGone) {
   EXPECT_THAT(exported.mjcf.text, HasSubstr("a - - b"));
 }
 
+// findings/mujoco_4_side_site_above_a_joint_lets_its_tendon_snap.sh: at 73 deg a guide is opposite of
+// the side site.
+TEST_F(MjcfExportOfFile, CablesThatSnapOffInNewerVersionsAreNamed) {
+  const auto notes_of = [](const HandConfig& config) {
+    return ExportMjcf(HandModel(config), "a test", "parts").notes;
+  };
+  const auto snaps = ::testing::Contains(HasSubstr("snaps off its pulley pulley"));
+  EXPECT_THAT(notes_of(Write(SmallHand{}.Xml())), Not(snaps));
+  EXPECT_THAT(notes_of(Write(Replaced(SmallHand{}.Xml(), "-60 60", "-100 100"))), snaps);
+  EXPECT_THAT(notes_of({}), Not(::testing::Contains(HasSubstr("snaps"))));
+  EXPECT_THAT(notes_of(ReadyHand("five_motor_hand.xml")),
+              Not(::testing::Contains(HasSubstr("snaps"))));
+}
+
 TEST_F(MjcfExportOfFile, FilesOfTheModelComeWithIt) {
   const std::string xml =
       Replaced(SmallHand{}.Xml(), "<worldbody>",
