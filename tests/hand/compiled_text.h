@@ -2,9 +2,10 @@
 
 #include <mujoco/mujoco.h>
 
-#include <cstring>
 #include <memory>
 #include <string>
+
+#include "sim/hand/mujoco_versions.h"
 
 namespace gauntlet::sim::testing {
 
@@ -14,8 +15,7 @@ using CompiledText = std::unique_ptr<mjModel, void (*)(mjModel*)>;
 inline CompiledText Compiled(const std::string& text) {
   const auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "model.xml", static_cast<int>(text.size()));
-  std::memcpy(files->filedata[0], text.data(), text.size());
+  AddText(*files, "model.xml", text);
   char message[500] = "";
   mjModel* const model = mj_loadXML("model.xml", files.get(), message, sizeof message);
   mj_deleteVFS(files.get());
