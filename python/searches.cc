@@ -1,5 +1,6 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -16,6 +17,8 @@
 #include "sim/answers/sweep/sweep_plan.h"
 #include "sim/answers/sweep/sweep_run.h"
 #include "sim/answers/sweep/sweep_tables.h"
+#include "sim/answers/tune/tune_all.h"
+#include "sim/answers/tune/tune_memo.h"
 #include "sim/answers/tune/tune_request.h"
 #include "sim/answers/tune/tune_tables.h"
 #include "sim/base/error.h"
@@ -40,17 +43,29 @@ namespace py = pybind11;
 /// {"json", "csv", "page", "controllers": {name: YAML}, "text", "html", "tables", "remarks"}.
 py::dict Tune(const sim::TuneRequest& request, const SettingsSource& scenario,
               const std::vector<std::string>& overrides, int jobs, const OwnFilters& own_filters,
-              const py::object& on_progress) {
+              const py::object& executor, const py::object& on_progress) {
+  std::optional<ExecutorParts> parts;
+  if (!executor.is_none()) parts.emplace(executor);
+  ExecutorParts* const elsewhere = parts ? &*parts : nullptr;
+  std::optional<sim::TuneMemo> memo;
   sim::TunePlan plan;
   std::vector<sim::TunedKind> kinds;
   std::optional<sim::TuneResult> result;
   std::string json, csv, page;
   sim::ResultText text, verbose;
-  const std::vector<std::string> remarks = RunLong(on_progress, [&](LongWork& work) {
-    const OwnFiltersOfCall scope(own_filters);
+  const auto run = [&](LongWork& work) {
+    const OwnFiltersOfCall scope(own_filters, elsewhere ? elsewhere->call() : "");
     plan = sim::PlanOf(request, ScenarioSourceOf(scenario, overrides));
     sim::CheckProgramsOf(plan.scenario, {plan.controller});
-    const auto progress = [&](double done, double all) { return work.Progress(done, all); };
+    double most = 0.0;
+    const auto progress = [&](double done, double all) {
+      most = std::max(most, done);
+      return work.Progress(most, all);
+    };
+    if (elsewhere != nullptr) {
+      plan.memo = &memo.emplace(plan);
+      sim::AwaitKinds(plan, *elsewhere, progress);
+    }
     if (request.all) {
       kinds = sim::TuneAll(plan, sim::JobsOrCores(jobs), progress);
       if (!kinds.front().has_answer()) {
@@ -69,7 +84,8 @@ py::dict Tune(const sim::TuneRequest& request, const SettingsSource& scenario,
       text = sim::TuneText(plan, *result, false);
       verbose = sim::TuneText(plan, *result, true);
     }
-  });
+  };
+  const std::vector<std::string> remarks = RunLong(on_progress, run, elsewhere);
   py::dict controllers;
   if (result) controllers[py::str(plan.controller)] = sim::ControllerYaml(result->controller);
   for (const sim::TunedKind& tuned : kinds) {
@@ -84,6 +100,16 @@ py::dict Tune(const sim::TuneRequest& request, const SettingsSource& scenario,
   dict["remarks"] = remarks;
   AddText(text, verbose, dict);
   return dict;
+}
+
+/// Searches some kinds of filters, on one thread, into a file for sim::TuneMemo.
+void RunKindsOfPart(const sim::TuneRequest& request, const SettingsSource& scenario,
+                    const std::vector<std::string>& overrides, const PartRequest& part) {
+  sim::TunePlan plan = sim::PlanOf(request, ScenarioSourceOf(scenario, overrides));
+  sim::TuneMemo memo(plan);
+  plan.memo = &memo;
+  sim::TuneSomeKinds(plan, part.range);
+  memo.Write(part.database);
 }
 
 sim::SweepPlan SweepPlanOf(const SettingsSource& study, const sim::SweepOverrides& overrides) {
@@ -174,7 +200,7 @@ void BindSearches(py::module_& module) {
          const std::vector<std::string>& free, const std::string& minimise,
          const std::vector<std::string>& subject_to, int seeds, int held_out, int evaluations,
          bool all, bool filter_only, int jobs, bool allow_programs, const py::dict& filters,
-         const py::object& on_progress) {
+         const py::object& executor, const py::object& on_progress) {
         return Tune({.controller = controller,
                      .free = free,
                      .minimise = minimise,
@@ -185,12 +211,41 @@ void BindSearches(py::module_& module) {
                      .all = all,
                      .filter_only = filter_only},
                     {file, text}, overrides, jobs, {allow_programs, OwnObjectsOf(filters)},
-                    on_progress);
+                    executor, on_progress);
       },
       py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("controller"),
       py::arg("free"), py::arg("minimise"), py::arg("subject_to"), py::arg("seeds"),
       py::arg("held_out"), py::arg("evaluations"), py::arg("all"), py::arg("filter_only"),
-      py::arg("jobs"), py::arg("allow_programs"), py::arg("filters"), py::arg("on_progress"));
+      py::arg("jobs"), py::arg("allow_programs"), py::arg("filters"), py::arg("executor"),
+      py::arg("on_progress"));
+  module.def(
+      "run_kinds",
+      [](const std::string& file, const std::optional<std::string>& text,
+         const std::vector<std::string>& overrides, const std::string& controller,
+         const std::string& minimise, const std::vector<std::string>& subject_to, int seeds,
+         int held_out, int evaluations, bool filter_only, bool allow_programs,
+         const py::dict& filters, const std::string& call, std::int64_t first, std::int64_t end,
+         const std::string& database) {
+        const OwnFilters own_filters = {allow_programs, OwnObjectsOf(filters)};
+        RunPartOf(call, [&](bool is_within) {
+          std::optional<OwnFiltersOfCall> scope;
+          if (!is_within) scope.emplace(own_filters, call);
+          RunKindsOfPart({.controller = controller,
+                          .free = {},
+                          .minimise = minimise,
+                          .subject_to = subject_to,
+                          .seeds = seeds,
+                          .held_out = held_out,
+                          .evaluations = evaluations,
+                          .all = true,
+                          .filter_only = filter_only},
+                         {file, text}, overrides, {{first, end}, database});
+        });
+      },
+      py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("controller"),
+      py::arg("minimise"), py::arg("subject_to"), py::arg("seeds"), py::arg("held_out"),
+      py::arg("evaluations"), py::arg("filter_only"), py::arg("allow_programs"), py::arg("filters"),
+      py::arg("call"), py::arg("first"), py::arg("end"), py::arg("database"));
   module.def(
       "sweep",
       [](const std::string& file, const std::optional<std::string>& text,

@@ -251,23 +251,32 @@ def compare(scenario: Settings, *, set: Overrides = None, controllers: Sequence[
 def tune(scenario: Settings, *, controller: str = "", free: Union[Mapping[str, str], Sequence[str]] = (),
          minimise: str = "tracking_rmse_deg", subject_to: Sequence[str] = (), set: Overrides = None, seeds: int = 8,
          held_out: int = 8, evaluations: int = 100, all: bool = False, filter_only: bool = False, jobs: int = 0,
-         allow_programs: bool = False, progress: Progress = None) -> TuneResult:
+         allow_programs: bool = False, executor: Optional[concurrent.futures.Executor] = None,
+         progress: Progress = None) -> TuneResult:
     """Finds the best settings of a controller, or with `all` the best kind of filter.
 
     free        settings and their ranges: {"filter.q": "1e-6:10:log"}, or texts as of --free
     minimise    score to optimise
     subject_to  bounds of scores: ["jitter_rms_deg<=0.2"]
     seeds, held_out  seeds of the search, and further ones for the verdict; recordings are divided instead
+    executor    with `all` computes the kinds, one trial at a time per worker; the result has the same bytes
     """
     for name, value in (("seeds", seeds), ("held_out", held_out), ("evaluations", evaluations)):
         if value < 1:
             raise SettingError(name, "", f"is {value}, must be 1 or more")
     ranges = [f"{key}={value}" for key, value in free.items()] if isinstance(free, Mapping) else _texts(free, "free")
+    if executor is not None and not all:
+        raise SettingError("executor", "", "needs all=True: each setting of one kind depends on those before")
     filters = _Filters()
-    with _Line(progress, "tune") as told:
-        found = _core.tune(*_source(scenario, "scenario", filters), _overrides(set, filters), controller, ranges, minimise,
-                           _texts(subject_to, "subject_to"), seeds, held_out, evaluations, all, filter_only,
-                           _jobs(jobs), allow_programs, filters.core(), told)
+    file, text = _source(scenario, "scenario", filters)
+    overrides = _overrides(set, filters)
+    core = filters.core()
+    bounds = _texts(subject_to, "subject_to")
+    arguments = (file, text, overrides, controller, minimise, bounds, seeds, held_out, evaluations, filter_only, allow_programs)
+    with _Line(progress, "tune") as told, Parts(executor, "run_kinds", arguments, filters, core) as parts:
+        found = _core.tune(file, text, overrides, controller, ranges, minimise, bounds, seeds, held_out, evaluations, all,
+                           filter_only, _jobs(jobs), allow_programs, core, parts, told)
+        found["remarks"] += parts.remarks if parts else []
     _remark(found["remarks"])
     return TuneResult(found)
 

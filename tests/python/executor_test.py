@@ -19,6 +19,8 @@ STUDY = {"question": "q", "scenario": str(SOURCE / "scenarios/hold_still.yaml"),
          "seeds": 2, "scores": ["tracking_rmse_deg", "jitter_rms_deg"],
          "axes": [{"key": "event.delay_ms", "values": [0, 5, 25]}]}
 
+TUNE = {"set": SHORT, "seeds": 2, "held_out": 2, "evaluations": 4, "filter_only": True}
+
 
 class Smooth:
     def __init__(self, rate_hz, channels, weight=0.2):
@@ -100,6 +102,22 @@ class Executors(Test):
 
         self.for_each_pool(check)
 
+    def test_tune_of_all_kinds_has_the_same_bytes(self):
+        expected = gauntlet.tune("hold_still", all=True, **TUNE)
+        self.assertGreater(len(expected.controllers), 5)
+
+        def check(pool):
+            told = []
+            result = gauntlet.tune("hold_still", all=True, **TUNE, executor=pool, progress=lambda done, all: told.append(done))
+            self.assertSame(result, expected)
+            self.assertEqual((result.page, result.settings.rows, result.controllers),
+                             (expected.page, expected.settings.rows, expected.controllers))
+            self.assertEqual(told, sorted(told))
+
+        self.for_each_pool(check)
+        with self.assertRaisesRegex(gauntlet.SettingError, "executor: needs all=True: each setting of one kind depends on those before"):
+            gauntlet.tune("hold_still", controller="raw", executor=Lossy(0))
+
     def test_own_filters_and_files_of_the_folder_reach_the_workers(self):
         (self.folder / "hand.csv").write_text("time_s,index_mcp\n" + "".join(f"{i / 100},{np.sin(i / 9):.4f}\n" for i in range(90)))
         scenario = of(Smooth)
@@ -126,7 +144,8 @@ class Executors(Test):
         self.assertSame(gauntlet.compare("hold_still", set=SHORT, seeds=3, executor=lossy), expected)
         self.assertEqual(lossy.sent, 8 + 2)
         for call in (lambda: gauntlet.compare("hold_still", set=SHORT, seeds=3, executor=Lossy(99)),
-                     lambda: gauntlet.sweep(STUDY, executor=Lossy(99))):
+                     lambda: gauntlet.sweep(STUDY, executor=Lossy(99)),
+                     lambda: gauntlet.tune("hold_still", all=True, **TUNE, executor=Lossy(99))):
             with self.assertRaisesRegex(gauntlet.RunError, "^executor: part [0-9]+ of [0-9]+ failed 3 times, at last with "
                                                            "KilledWorker: worker tcp://a died three times$"):
                 call()
@@ -140,7 +159,8 @@ class Executors(Test):
                 return super().submit(function, name, (file, text, [*overrides, "glove.rate_hz=500"], *others), *rest)
 
         for call in (lambda: gauntlet.compare("hold_still", set=SHORT, seeds=3, executor=Other(0)),
-                     lambda: gauntlet.sweep(STUDY, executor=Other(0))):
+                     lambda: gauntlet.sweep(STUDY, executor=Other(0)),
+                     lambda: gauntlet.tune("hold_still", all=True, **TUNE, executor=Other(0))):
             with self.assertRaisesRegex(gauntlet.RunError, "executor: a worker gave other results than were asked for"):
                 call()
 

@@ -11,6 +11,8 @@
 
 namespace gauntlet::sim {
 
+class TuneMemo;
+
 /// The settings to be tuned, and the method.
 struct TunePlan {
   ScenarioSource scenario;
@@ -27,6 +29,7 @@ struct TunePlan {
   /// Levels of jitter for the front. If there are any, half of the evaluations search around the
   /// best setting, and around the setting with the least delay at each of these levels.
   std::vector<double> front_jitter_deg = {};
+  TuneMemo* memo = nullptr;  // of settings that were measured before, and gets others; null: none
 };
 
 /// `filter.q=1e-6:10:log`, as a range of the controller; `:whole` for whole numbers, alone or after

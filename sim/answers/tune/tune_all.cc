@@ -4,11 +4,16 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <optional>
+#include <span>
 
 #include "sim/answers/tune/filter_search.h"
 #include "sim/answers/tune/tune_bench.h"
+#include "sim/answers/tune/tune_memo.h"
 #include "sim/base/error.h"
+#include "sim/base/stop.h"
 #include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
@@ -118,9 +123,12 @@ void JudgeKinds(const TunePlan& plan, std::vector<TunedKind>& kinds) {
 
 }  // namespace
 
-std::vector<TunedKind> TuneAll(const TunePlan& plan, int jobs,
-                               const std::function<bool(double done, double all)>& progress) {
-  const auto kinds = controller::FilterKinds();
+namespace {
+
+/// Searches some kinds, in their order.
+std::vector<TunedKind> SearchKinds(const TunePlan& plan,
+                                   std::span<const controller::FilterKind> kinds, int jobs,
+                                   const std::function<bool(double done, double all)>& progress) {
   const auto all = static_cast<double>(kinds.size());
   TunePlan of_all = plan;
   of_all.free.clear();
@@ -138,8 +146,43 @@ std::vector<TunedKind> TuneAll(const TunePlan& plan, int jobs,
       return progress(before + done / of, all);
     }));
   }
+  return tuned;
+}
+
+}  // namespace
+
+std::vector<TunedKind> TuneAll(const TunePlan& plan, int jobs,
+                               const std::function<bool(double done, double all)>& progress) {
+  std::vector<TunedKind> tuned = SearchKinds(plan, controller::FilterKinds(), jobs, progress);
   JudgeKinds(plan, tuned);
   return tuned;
+}
+
+void TuneSomeKinds(const TunePlan& plan, const WorkRange& kinds) {
+  const std::span<const controller::FilterKind> all = controller::FilterKinds();
+  SearchKinds(plan,
+              all.subspan(static_cast<std::size_t>(kinds.first),
+                          static_cast<std::size_t>(kinds.end - kinds.first)),
+              1, [](double, double) { return !StopAsked(); });
+}
+
+void AwaitKinds(const TunePlan& plan, Elsewhere& elsewhere,
+                const std::function<bool(double done, double all)>& progress) {
+  constexpr std::chrono::milliseconds kPatience{50};
+  const auto count = std::ssize(controller::FilterKinds());
+  const std::vector<WorkRange> parts = Divide({0, count}, elsewhere.most_parts());
+  elsewhere.Begin(parts);
+  double done = 0.0;
+  for (std::size_t left = parts.size(); left > 0;) {
+    ThrowIfStopped();
+    const std::optional<Elsewhere::Part> part = elsewhere.Next(kPatience);
+    if (!part) continue;
+    --left;
+    if (part->database.empty()) continue;
+    plan.memo->Add(part->database);
+    done += static_cast<double>(parts.at(part->number).end - parts.at(part->number).first);
+    if (!progress(done, static_cast<double>(count))) throw Cancelled{};
+  }
 }
 
 const TunedKind* NearestKind(const std::vector<TunedKind>& kinds) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/answers/tune/tune.h"
+#include "sim/study/elsewhere.h"
 
 namespace gauntlet::sim {
 
@@ -30,6 +31,15 @@ struct TunedKind {
 /// family of judgement.h. Errors: as Tune(), but for kinds that have no answer.
 std::vector<TunedKind> TuneAll(const TunePlan& plan, int jobs,
                                const std::function<bool(double done, double all)>& progress);
+
+/// Searches some kinds by their numbers, for plan.memo. Errors: as of TuneAll().
+void TuneSomeKinds(const TunePlan& plan, const WorkRange& kinds);
+
+/// Waits until others have searched all kinds, and adds their settings to plan.memo. TuneAll() then
+/// runs only what did not come. Errors: RunError for a part of another scenario or build;
+/// Cancelled.
+void AwaitKinds(const TunePlan& plan, Elsewhere& elsewhere,
+                const std::function<bool(double done, double all)>& progress);
 
 /// The kind with the setting that breaks the bounds least, if none keeps them; null for none.
 const TunedKind* NearestKind(const std::vector<TunedKind>& kinds);

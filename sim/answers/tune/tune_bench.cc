@@ -1,6 +1,7 @@
 #include "sim/answers/tune/tune_bench.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +10,21 @@
 #include "controller/assert.h"
 #include "sim/answers/compare/recording_blocks.h"
 #include "sim/answers/sweep/cell_blocks.h"
+#include "sim/answers/tune/tune_memo.h"
 #include "sim/base/error.h"
 #include "sim/score/statistics/blocks.h"
 #include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
+namespace {
+
+std::vector<std::string> ConstraintTexts(const TunePlan& plan) {
+  std::vector<std::string> texts;
+  for (const Constraint& constraint : plan.constraints) texts.push_back(constraint.Text());
+  return texts;
+}
+
+}  // namespace
 
 TuneBench::TuneBench(const TunePlan& plan, std::vector<std::size_t> metrics, const TuneSplit& split,
                      TunePart part, int jobs)
@@ -51,6 +62,18 @@ NamedController TuneBench::ControllerWith(const std::vector<std::string>& values
 
 TunedSetting TuneBench::Run(const std::vector<std::string>& values,
                             const Progress& progress) const {
+  if (plan_.memo == nullptr) return Measure(values, progress);
+  const std::string question = fmt::format(
+      "{}\n{}\n{}\n{} {} {}", fmt::join(source_.overrides, "\n"), fmt::join(values, " "),
+      fmt::join(metrics_, " "), seeds_, plan_.physics, fmt::join(ConstraintTexts(plan_), " "));
+  if (auto known = plan_.memo->Find(question)) return *std::move(known);
+  TunedSetting setting = Measure(values, progress);
+  plan_.memo->Keep(question, setting);
+  return setting;
+}
+
+TunedSetting TuneBench::Measure(const std::vector<std::string>& values,
+                                const Progress& progress) const {
   TunedSetting setting;
   setting.values = values;
   setting.scores.resize(metrics_.size());

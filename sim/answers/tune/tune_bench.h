@@ -28,10 +28,11 @@ class TuneBench {
   /// Input of the controller's filter.
   FilterInput Input() const;
 
-  /// One that cannot be built has that as its problem.
+  /// One that cannot be built has that as its problem. What plan.memo knows is not run.
   TunedSetting Run(const std::vector<std::string>& values, const Progress& progress) const;
 
  private:
+  TunedSetting Measure(const std::vector<std::string>& values, const Progress& progress) const;
   void Score(const StudyResult& result, TunedSetting& setting) const;
   void ScoreBlocks(const StudyResult& result, TunedSetting& setting) const;
 
