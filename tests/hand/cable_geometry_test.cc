@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "controller/tendon_map.h"
+#include "sim/hand/mujoco_versions.h"
 #include "sim/hand/physics_model.h"
 #include "tests/hand/hand_fixture.h"
 #include "tests/hand/small_hand.h"
@@ -85,6 +86,7 @@ std::string FarTurningHand() {
 
 // Where the arc is 0 length and moment arm go on without a jump.
 TEST(CableGeometry, HoldsWhereACableLeavesItsPulley) {
+  if (mj_version() >= 4'000'000) GTEST_SKIP() << "a guide passes the place opposite of a side site";
   const auto hand = MakeFromText(FarTurningHand(), {});
   ASSERT_FALSE(hand->engine_measures_cables());
   const Data data = DataOf(hand->model());
@@ -170,10 +172,12 @@ TEST(PhysicsModel, AcceleratesAsTheWholeModelDoes) {
     const auto hand = MakeModel(config);
     const mjModel& whole = hand->model();
     const mjModel& physics = hand->physics().model();
-    EXPECT_LT(physics.ngeom, whole.ngeom / 4);
     EXPECT_EQ(physics.ntendon, 0);
-    EXPECT_EQ(physics.nv, whole.nv - 18);
-    EXPECT_EQ(physics.nbody, whole.nbody - 18);
+    if (kModelsCanBeCut) {
+      EXPECT_LT(physics.ngeom, whole.ngeom / 4);
+      EXPECT_EQ(physics.nv, whole.nv - 18);
+      EXPECT_EQ(physics.nbody, whole.nbody - 18);
+    }
     EXPECT_NEAR(mj_getTotalmass(&physics), mj_getTotalmass(&whole), 1e-12);
     const Data of_whole = DataOf(whole);
     const Data of_physics = DataOf(physics);

@@ -16,6 +16,7 @@
 #include "sim/base/error.h"
 #include "sim/hand/mjcf_reader.h"
 #include "sim/hand/model_files.h"
+#include "sim/hand/mujoco_versions.h"
 #include "tests/hand/compiled_text.h"
 
 namespace gauntlet::sim::testing {
@@ -106,6 +107,7 @@ std::string NameOf(const NewerMjcfRow& row) {
 }
 
 TEST_F(NewerMjcfTest, RowsAreWhatTheEngineDoesNotKnow) {
+  if (!kIsReference) GTEST_SKIP() << "a newer engine knows them";
   ASSERT_NE(Compiled(Model()), nullptr);
   for (const NewerMjcfRow& row : NewerMjcfRows()) {
     EXPECT_EQ(Compiled(With(row, Model())), nullptr) << NameOf(row);
@@ -251,6 +253,7 @@ std::string ChannelHand(const std::string& compiler, const std::string& inertial
 }
 
 TEST_F(NewerMjcfTest, MassThatTheEngineCountsTwiceIsNamed) {
+  if (!kIsReference) GTEST_SKIP() << "a newer engine counts another mass, and has another cure";
   const auto notes_of = [&](const std::string& text) {
     ReadableMjcf readable;
     const CompiledText model(LoadModel(Write("channel.xml", text), readable), &mj_deleteModel);
