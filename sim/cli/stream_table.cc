@@ -264,12 +264,10 @@ std::vector<std::string> StreamTable::AddMappedChannels(const ColumnMap& map) {
   std::vector<ChannelValues::Parts> parts(KnownChannels().size());
   std::vector<bool> passes(columns_, true);
   for (const ColumnMapping& mapping : map.channels) {
-    const ColumnScale scale = ScaleOf(mapping, NominalCounts{});
-    parts[mapping.channel].push_back({.column = mapping.column,
-                                      .factor = scale.factor * kDegPerRad,
-                                      .offset = scale.offset_rad * kDegPerRad,
-                                      .wraps_at = mapping.wraps_at,
-                                      .envelope_ms = mapping.envelope_ms});
+    ChannelValues::Part& part =
+        parts[mapping.channel].emplace_back(PartOf(mapping, NominalCounts{}));
+    part.factor *= kDegPerRad;
+    part.offset *= kDegPerRad;
     passes[mapping.column] = false;
   }
   remarks_ = EnvelopesOf(map);

@@ -119,23 +119,25 @@ void FrameChannels::Configure(const DeviceColumns& columns) {
     const int known = ChannelIndex(glove.channel_names[c]);
     const double counts_per_rad = (glove.high_counts[c] - glove.low_counts[c]) /
                                   (glove.high_angle_rad[c] - glove.low_angle_rad[c]);
-    double offset_rad = 0.0;
-    bool are_counts = false;
+    const auto is_of_channel = [known](const ColumnMapping& mapping) {
+      return mapping.channel == known;
+    };
+    const bool is_only = std::ranges::count_if(map.channels, is_of_channel) == 1;
     for (const ColumnMapping& mapping : map.channels) {
-      if (mapping.channel != known) continue;
-      are_counts = AreGloveCounts(mapping, converters[c]);
-      const ColumnScale scale = ScaleOf(
-          mapping, {.low_counts = glove.low_counts[c], .high_counts = glove.high_counts[c]});
-      channels[c].push_back({.column = mapping.column,
-                             .factor = are_counts ? 1.0 : scale.factor * counts_per_rad,
-                             .wraps_at = mapping.wraps_at,
-                             .envelope_ms = mapping.envelope_ms});
-      offset_rad += scale.offset_rad;
+      if (!is_of_channel(mapping)) continue;
+      ChannelValues::Part& part =
+          channels[c].emplace_back(PartOf(mapping, {.min_counts = converters[c].min_counts,
+                                                    .low_counts = glove.low_counts[c],
+                                                    .high_counts = glove.high_counts[c]}));
+      part.factor *= counts_per_rad;
+      part.offset *= counts_per_rad;
+      if (is_only && AreGloveCounts(mapping, converters[c])) {
+        part = {.column = mapping.column, .wraps_at = mapping.wraps_at};
+      } else if (channels[c].size() == 1) {
+        part.offset += glove.low_counts[c] - glove.low_angle_rad[c] * counts_per_rad;
+      }
     }
     if (channels[c].empty()) missing.push_back(glove.channel_names[c]);
-    if (are_counts || channels[c].empty()) continue;
-    channels[c].front().offset =
-        glove.low_counts[c] + (offset_rad - glove.low_angle_rad[c]) * counts_per_rad;
   }
   if (!missing.empty()) {
     std::vector<std::string> given;

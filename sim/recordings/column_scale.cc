@@ -40,6 +40,15 @@ ColumnScale ScaleOf(const ColumnMapping& mapping, const NominalCounts& nominal) 
           .offset_rad = mapping.weight * (zero_rad + factor * mapping.offset)};
 }
 
+ChannelValues::Part PartOf(const ColumnMapping& mapping, const NominalCounts& nominal) {
+  const ColumnScale scale = ScaleOf(mapping, nominal);
+  return {.column = mapping.column,
+          .factor = scale.factor,
+          .offset = scale.offset_rad,
+          .wraps_at = mapping.wraps_at,
+          .envelope_ms = mapping.envelope_ms};
+}
+
 std::vector<OwnCounts> OwnCountsOf(const ColumnMap& map, std::span<const NominalCounts> nominal) {
   const double most_counts = std::ldexp(1.0, kMostMapBits) - 1.0;
   std::vector<OwnCounts> all;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/recordings/channel_values.h"
 #include "sim/recordings/column_map.h"
 #include "sim/recordings/profile.h"
 
@@ -27,6 +28,9 @@ struct NominalCounts {
 
 /// `nominal`: of the channel. Where the map gives bits, only its smallest value matters.
 ColumnScale ScaleOf(const ColumnMapping& mapping, const NominalCounts& nominal);
+
+/// All that a row of a map does to the values of its column, for ChannelValues: angles [rad].
+ChannelValues::Part PartOf(const ColumnMapping& mapping, const NominalCounts& nominal);
 
 /// The counts of a glove's own converter in one column: the channel's calibration.
 struct OwnCounts {

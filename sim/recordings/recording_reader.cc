@@ -81,15 +81,10 @@ void RecordingReader::AddChannels(const RecordingFormat& format) {
   keeps_to_range_ = format.keeps_to_range;
   std::map<std::size_t, ChannelValues::Parts> parts;
   for (const ColumnMapping& mapping : map_.channels) {
-    const ColumnScale scale =
-        ScaleOf(mapping, format.nominal[PlaceInList(mapping.channel, format.nominal.size())]);
     std::erase(channels_, mapping.channel);
     channels_.push_back(mapping.channel);
-    parts[mapping.channel].push_back({.column = mapping.column,
-                                      .factor = scale.factor,
-                                      .offset = scale.offset_rad,
-                                      .wraps_at = mapping.wraps_at,
-                                      .envelope_ms = mapping.envelope_ms});
+    parts[mapping.channel].push_back(
+        PartOf(mapping, format.nominal[PlaceInList(mapping.channel, format.nominal.size())]));
   }
   std::vector<ChannelValues::Parts> of_channels;
   for (const std::size_t channel : channels_) of_channels.push_back(parts[channel]);
