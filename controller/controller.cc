@@ -41,6 +41,10 @@ void Controller::TakeJointAngles(std::span<const double> measured_rad) noexcept 
   if (state_) state_->joint_loop.SetMeasuredAngles(measured_rad);
 }
 
+void Controller::TakeElapsedTime(double elapsed_ms) noexcept {
+  if (state_) state_->loop.TakeElapsedTime(elapsed_ms);
+}
+
 void Controller::Reset() noexcept {
   if (state_) state_->Reset();
 }
@@ -115,6 +119,10 @@ double Controller::sample_age_ms(int channel) const noexcept {
   const auto ticks = state_->watch.ticks_since_trusted(static_cast<std::size_t>(channel));
   return 1e3 * static_cast<double>(std::max<std::int64_t>(ticks, 0)) /
          robot_->config.timing.tick_rate_hz;
+}
+std::int64_t Controller::overruns() const noexcept { return state_ ? state_->loop.overruns() : 0; }
+double Controller::measured_tick_rate_hz() const noexcept {
+  return state_ ? state_->loop.measured_rate_hz() : kNaN;
 }
 std::span<const std::int64_t> Controller::failed_plans() const noexcept {
   if (!state_) return {};

@@ -19,6 +19,7 @@ struct GAUNTLET_API Command {
   std::span<const std::int32_t> motor_counts;  // of the last command frame
   bool event = false;  // a frame is due: `motor_counts` are new and are to be sent now
   GloveStatus glove = GloveStatus::kGood;
+  LoopStatus loop = LoopStatus::kInTime;  // see Controller::TakeElapsedTime()
 };
 
 /// From glove to motors: linearisation, filters, prediction, joint map and tendon map, in one call
@@ -64,6 +65,10 @@ class GAUNTLET_API Controller {
   /// Measured joint angles of the hand [rad, per joint; NaN: not measured], for the joint loop. The
   /// next command frame uses them. Another number of values is ignored.
   void TakeJointAngles(std::span<const double> measured_rad) noexcept;
+  /// Time between the last step and the next one [ms], as the loop measured it; call it before the
+  /// Step(). A controller reads no clock: with it, steps that come late are counted, and a loop at
+  /// another rate than Timing says is reported (Command::loop). It changes no command.
+  void TakeElapsedTime(double elapsed_ms) noexcept;
   /// Resets filters, counters of untrusted samples and clocks. The motors stay at the last command.
   /// Inactive channels stay inactive and hold their joint there.
   void Reset() noexcept;
@@ -116,6 +121,10 @@ class GAUNTLET_API Controller {
   /// Time since the last trusted value of a channel [ms], in ticks of the loop; since Reset() if
   /// there was none. NaN for a channel out of range.
   double sample_age_ms(int channel) const noexcept;
+  /// Number of steps since Reset() that came half a tick late or more, of those whose time is known.
+  std::int64_t overruns() const noexcept;
+  /// Rate of the loop over the last 256 steps whose time is known [Hz]; NaN before.
+  double measured_tick_rate_hz() const noexcept;
   /// Number of command frames since Reset() in which a joint's command stayed, because no plan was
   /// found in time (see ModelPredictive); empty without planned commands.
   std::span<const std::int64_t> failed_plans() const noexcept;

@@ -15,6 +15,14 @@ namespace {
 const ControllerConfig& Checked(const RobotConfig& robot, const ControllerConfig& config) {
   CheckSettings(config);
   WithinSetting("timing", [&] { CheckSettings(robot.timing); });
+  const Timing& timing = robot.timing;
+  const double ticks_per_sample = timing.tick_rate_hz / timing.sample_rate_hz();
+  if (std::abs(ticks_per_sample - timing.ticks_per_sample) > 0.5 + 1e-9) {
+    throw SettingError("timing.glove_rate_hz",
+                       "is " + NumberText(timing.glove_rate_hz) + ", which is a sample at every " +
+                           NumberText(ticks_per_sample) + " steps, must be that of " +
+                           "ticks_per_sample, " + std::to_string(timing.ticks_per_sample));
+  }
   const GloveCalibration& glove = robot.glove;
   if (glove.frame_number_bits < kLeastFrameNumberBits ||
       glove.frame_number_bits > kMostFrameNumberBits) {
@@ -60,6 +68,7 @@ Controller::State::State(const RobotConfig& connected_to, const ControllerConfig
       guard(config.untrusted, connected_to.glove.low_counts, ConvertersOf(connected_to.glove),
             connected_to.timing.sample_rate_hz(), connected_to.glove.frame_number_bits),
       watch(config.untrusted, connected_to.timing, joint_map.channel_count()),
+      loop(connected_to.timing),
       tendon_map(connected_to.hand, config.coupling_compensation),
       model_predictive(WithinSetting("model_predictive",
                                      [&] {
@@ -96,12 +105,13 @@ Controller::State::State(const RobotConfig& connected_to, const ControllerConfig
 }
 
 Command Controller::State::Step(const GloveSample* sample) noexcept {
+  const LoopStatus loop_status = loop.Tick();
   const bool overdue = watch.Tick(sample != nullptr);
   if (sample != nullptr) AcceptSample(*sample);
   if (overdue) guard.Miss();
   judged = overdue || sample != nullptr;
   const bool event = StepEvent();
-  return {.motor_counts = motor_counts, .event = event, .glove = Status()};
+  return {.motor_counts = motor_counts, .event = event, .glove = Status(), .loop = loop_status};
 }
 
 GloveStatus Controller::State::Status() const noexcept {
@@ -191,6 +201,7 @@ void Controller::State::Reset() noexcept {
   estimator.ToCounts(start_counts);
   guard.Reset(start_counts);
   watch.Reset();
+  loop.Reset();
   judged = false;
   std::fill(lost.begin(), lost.end(), std::uint8_t{0});
   estimator.Reset(guard.trusted_counts());
@@ -209,6 +220,7 @@ void Controller::State::SwapMemory(State& before) noexcept {
   estimator.linearisation().ToCounts(before.estimator.filtered_rad(), start_counts);
   guard.SwapMemory(before.guard, start_counts);
   watch.SwapMemory(before.watch);
+  std::swap(loop, before.loop);
   std::swap(judged, before.judged);
   lost.swap(before.lost);
   lost_rad.swap(before.lost_rad);

@@ -10,6 +10,7 @@
 #include "controller/controller.h"
 #include "controller/glove_watch.h"
 #include "controller/joint_loop.h"
+#include "controller/loop_watch.h"
 #include "controller/model_predictive/model_predictive.h"
 #include "controller/motor_rounding.h"
 #include "controller/periodic_clock.h"
@@ -55,6 +56,7 @@ struct __attribute__((visibility("hidden"))) Controller::State {
   JointMap joint_map;
   SampleGuard guard;
   GloveWatch watch;
+  LoopWatch loop;
   TendonMap tendon_map;
   ModelPredictive model_predictive;
   AngleEstimator estimator;

@@ -17,6 +17,8 @@
 
 #include "controller/controller.h"
 #include "controller/number.h"
+#include "controller/robot_key.h"
+#include "controller/validate.h"
 
 namespace gauntlet::controller {
 namespace {
@@ -333,7 +335,8 @@ class TextParser {
   std::vector<int> lines_;  // of each setting
 };
 
-/// The key that Controller's constructor names, as the text has it.
+}  // namespace
+
 std::string KeyInText(const std::string& key) {
   constexpr std::pair<std::string_view, std::string_view> kGroups[] = {
       {"calibration", "glove"}, {"transmission", "hand"}, {"joint_map", "joint_map"},
@@ -345,24 +348,47 @@ std::string KeyInText(const std::string& key) {
   return key;
 }
 
-}  // namespace
+namespace {
 
-RobotConfig RobotFromText(std::string_view text) {
-  const TextParser parser(text);
+/// The settings of a text, each within its range.
+RobotConfig SettingsOf(SettingReader& reader) {
   RobotConfig robot;
-  SettingReader reader(parser.settings(), parser.lines());
   try {
     robot.Visit(reader);
     reader.ExpectEnd();
   } catch (const SettingError& error) {
     throw reader.WithLine(error);
   }
+  return robot;
+}
+
+}  // namespace
+
+RobotConfig RobotFromText(std::string_view text) {
+  const TextParser parser(text);
+  SettingReader reader(parser.settings(), parser.lines());
+  RobotConfig robot = SettingsOf(reader);
   try {
     const Controller made(robot);
   } catch (const SettingError& error) {
     throw reader.WithLineOf(KeyInText(error.key()), error.problem());
   }
   return robot;
+}
+
+std::vector<std::string> ProblemsOfText(std::string_view text) {
+  std::vector<std::string> lines;
+  try {
+    const TextParser parser(text);
+    SettingReader reader(parser.settings(), parser.lines());
+    for (RobotProblem& problem : Validate(SettingsOf(reader))) {
+      problem.key = reader.WithLineOf(problem.key, problem.problem).key();
+      lines.push_back(TextOf(problem));
+    }
+  } catch (const SettingError& error) {
+    lines = {error.what()};
+  }
+  return lines;
 }
 
 }  // namespace gauntlet::controller

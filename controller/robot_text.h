@@ -1,6 +1,8 @@
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "controller/controller_config.h"
 #include "controller/export.h"
@@ -23,5 +25,9 @@ namespace gauntlet::controller {
 /// Errors: SettingError with the number of the line for one that is none of these, for settings
 /// that are unknown, given twice or out of order, and for those that make no Controller.
 GAUNTLET_API RobotConfig RobotFromText(std::string_view text);
+
+/// All problems of such a text, a line each as of TextOf(Validate()); of one that cannot be read, its
+/// first error.
+GAUNTLET_API std::vector<std::string> ProblemsOfText(std::string_view text);
 
 }  // namespace gauntlet::controller

@@ -25,9 +25,12 @@ std::string RangeText(const Setting& setting) {
   return "any finite number";
 }
 
-/// Throws at the first value that is not allowed; changes nothing.
+/// Hands every value that is not allowed to `fail`; changes nothing.
 class RangeChecker final : public SettingsVisitor {
  public:
+  using Failing = std::function<void(const SettingError&)>;
+  explicit RangeChecker(Failing fail) : fail_(std::move(fail)) {}
+
   void Number(const Setting& setting, double& value) override { Check(setting, value); }
   void Integer(const Setting& setting, int& value) override { Check(setting, value); }
   void Flag(const Setting&, bool&) override {}
@@ -69,8 +72,8 @@ class RangeChecker final : public SettingsVisitor {
   void CheckGiven(const Setting& setting, const std::string& value) const {
     if (setting.required && value.empty()) Fail(setting, "is missing");
   }
-  [[noreturn]] void Fail(const Setting& setting, const std::string& problem) const {
-    throw SettingError(place_ + std::string(setting.key), problem);
+  void Fail(const Setting& setting, const std::string& problem) const {
+    fail_(SettingError(place_ + std::string(setting.key), problem));
   }
   void Inside(const std::string& key, const std::function<void()>& visit) {
     const std::string outer = place_;
@@ -79,6 +82,7 @@ class RangeChecker final : public SettingsVisitor {
     place_ = outer;
   }
 
+  Failing fail_;
   std::string place_;
 };
 
@@ -131,8 +135,15 @@ void CheckNames(const std::string& key, const std::vector<std::string>& names) {
 }
 
 void CheckSettings(const std::function<void(SettingsVisitor&)>& visit) {
-  RangeChecker checker;
+  RangeChecker checker([](const SettingError& error) { throw error; });
   visit(checker);
+}
+
+std::vector<SettingError> SettingProblems(const std::function<void(SettingsVisitor&)>& visit) {
+  std::vector<SettingError> problems;
+  RangeChecker checker([&](const SettingError& error) { problems.push_back(error); });
+  visit(checker);
+  return problems;
 }
 
 }  // namespace gauntlet::controller

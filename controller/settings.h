@@ -167,6 +167,9 @@ void VisitList(SettingsVisitor& visitor, const Setting& setting, std::vector<Con
                                     SettingsVisitor& inner) { configs[index].Visit(inner); }});
 }
 
+/// All settings outside their ranges.
+GAUNTLET_API std::vector<SettingError> SettingProblems(
+    const std::function<void(SettingsVisitor&)>& visit);
 /// Throws SettingError for the first setting of `config` outside its range.
 GAUNTLET_API void CheckSettings(const std::function<void(SettingsVisitor&)>& visit);
 template <class Config>

@@ -21,6 +21,7 @@ struct gauntlet_controller {
   gc::RobotConfig robot;  // its names and clocks; a swap does not change these
   gc::Controller controller;
   gauntlet_glove_status glove_status = GAUNTLET_GLOVE_GOOD;
+  gauntlet_loop_status loop_status = GAUNTLET_LOOP_IN_TIME;
 };
 
 namespace {
@@ -49,6 +50,7 @@ gauntlet_result Step(gauntlet_controller* self, const double* counts, std::size_
             : self->controller.Step();
   std::ranges::copy(command.motor_counts, motor_counts);
   self->glove_status = static_cast<gauntlet_glove_status>(command.glove);
+  self->loop_status = static_cast<gauntlet_loop_status>(command.loop);
   return command.event ? GAUNTLET_EVENT : GAUNTLET_OK;
 }
 
@@ -56,6 +58,9 @@ static_assert(static_cast<int>(gc::GloveStatus::kGood) == GAUNTLET_GLOVE_GOOD &&
               static_cast<int>(gc::GloveStatus::kHeld) == GAUNTLET_GLOVE_HELD &&
               static_cast<int>(gc::GloveStatus::kTooOften) == GAUNTLET_GLOVE_TOO_OFTEN &&
               static_cast<int>(gc::GloveStatus::kLost) == GAUNTLET_GLOVE_LOST);
+static_assert(static_cast<int>(gc::LoopStatus::kInTime) == GAUNTLET_LOOP_IN_TIME &&
+              static_cast<int>(gc::LoopStatus::kOverrun) == GAUNTLET_LOOP_OVERRUN &&
+              static_cast<int>(gc::LoopStatus::kWrongRate) == GAUNTLET_LOOP_WRONG_RATE);
 static_assert(static_cast<int>(gc::Untrusted::kMissing) == GAUNTLET_UNTRUSTED_MISSING &&
               static_cast<int>(gc::Untrusted::kStale) == GAUNTLET_UNTRUSTED_STALE &&
               gc::kUntrustedKinds == GAUNTLET_UNTRUSTED_STALE + 1);
@@ -72,7 +77,7 @@ bool SameConnections(const gc::RobotConfig& a, const gc::RobotConfig& b) {
                     h.center_counts, h.min_counts, h.max_counts, h.joint_sensors);
   };
   const auto clocks = [](const gc::Timing& t) {
-    return std::tie(t.tick_rate_hz, t.ticks_per_sample, t.event_period_ms);
+    return std::tie(t.tick_rate_hz, t.ticks_per_sample, t.event_period_ms, t.glove_rate_hz);
   };
   const auto same_source = [](const gc::JointSource& s, const gc::JointSource& t) {
     return std::tie(s.joint, s.channels, s.weights, s.offset_deg) ==
@@ -125,6 +130,29 @@ gauntlet_controller* gauntlet_controller_create(const char* settings, size_t set
   return Made(settings, settings_length, error, error_size, [](const gc::RobotConfig& robot) {
     return new gauntlet_controller{.robot = robot, .controller = gc::Controller(robot)};
   });
+}
+
+size_t gauntlet_controller_validate(const char* settings, size_t settings_length, char* problems,
+                                    size_t problems_size) {
+  std::vector<std::string> lines;
+  try {
+    lines =
+        gc::ProblemsOfText(settings == nullptr ? "" : std::string_view(settings, settings_length));
+  } catch (const std::exception& problem) {
+    lines = {problem.what()};
+  }
+  std::size_t written = 0;
+  const auto has_room = [&](std::size_t length) {
+    return problems != nullptr && written + length < problems_size;
+  };
+  for (const std::string& line : lines) {
+    if (!has_room(line.size() + 1)) break;
+    Write(line, problems + written, line.size() + 1);
+    written += line.size();
+    problems[written++] = '\n';
+  }
+  if (has_room(0)) problems[written] = '\0';
+  return lines.size();
 }
 
 gauntlet_controller* gauntlet_controller_prepare(const gauntlet_controller* controller,

@@ -1,4 +1,4 @@
-/* The controller for programs that are not C++: C, Python (ctypes), MATLAB (loadlibrary), ROS.
+/* The controller for programs that are not C++: C, Python (ctypes), MATLAB (loadlibrary).
  *
  * Plain C99; nothing is thrown across it. One thread at a time may use a controller; several
  * controllers do not know of each other. Except where said otherwise, no function allocates.
@@ -37,6 +37,13 @@ typedef enum gauntlet_glove_status {
   GAUNTLET_GLOVE_LOST = 3       /* a channel had no trusted value for lost_after_ms */
 } gauntlet_glove_status;
 
+/* How the loop keeps to its rate, by the time between steps as it measured it. */
+typedef enum gauntlet_loop_status {
+  GAUNTLET_LOOP_IN_TIME = 0,   /* or the loop measures nothing */
+  GAUNTLET_LOOP_OVERRUN = 1,   /* the last step came half a tick late or more */
+  GAUNTLET_LOOP_WRONG_RATE = 2 /* most steps are too long or too short by more than 5 % */
+} gauntlet_loop_status;
+
 /* Why a sample is not trusted. */
 typedef enum gauntlet_untrusted {
   GAUNTLET_UNTRUSTED_ALL = -1, /* for any of these reasons */
@@ -68,6 +75,13 @@ const char* gauntlet_controller_version(void);
  * Returns NULL if there is something wrong. */
 gauntlet_controller* gauntlet_controller_create(const char* settings, size_t settings_length,
                                                 char* error, size_t error_size);
+
+/* All that is wrong with settings, or doubtful, a line each; a doubtful one begins with "warning: ",
+ * and a controller can be made nevertheless. Of text that cannot be read: the first error. Allocates.
+ * problems: NULL, or `problems_size` bytes for as many of the lines as there is room for, with 0 at
+ * the end. Returns how many there are. */
+size_t gauntlet_controller_validate(const char* settings, size_t settings_length, char* problems,
+                                    size_t problems_size);
 
 /* NULL is allowed. */
 void gauntlet_controller_destroy(gauntlet_controller* controller);
@@ -105,6 +119,17 @@ gauntlet_result gauntlet_controller_step_frame(gauntlet_controller* controller,
  * To be called when there is a reading, for settings with a joint loop; others ignore it. */
 gauntlet_result gauntlet_controller_take_joint_angles(gauntlet_controller* controller,
                                                       const double* angle_rad, size_t joint_count);
+
+/* Time between the last step and the next one [ms], as the loop measured it: to be called before the
+ * step. It changes no command; what is not above 0 is ignored. */
+gauntlet_result gauntlet_controller_take_elapsed_ms(gauntlet_controller* controller,
+                                                    double elapsed_ms);
+/* After the last step; GAUNTLET_LOOP_IN_TIME for NULL. */
+gauntlet_loop_status gauntlet_controller_loop_status(const gauntlet_controller* controller);
+/* Steps since the last reset that came half a tick late or more; 0 for NULL. */
+int64_t gauntlet_controller_overruns(const gauntlet_controller* controller);
+/* Rate of the loop over the last 256 steps whose time is known [Hz]; NaN before, and for NULL. */
+double gauntlet_controller_measured_tick_rate_hz(const gauntlet_controller* controller);
 
 /* Forgets the glove. The motors are at `motor_counts`, one per motor, as read from them: to be
  * called before the first step where the hand is not in its reference posture. With NULL and 0 the

@@ -57,6 +57,13 @@ struct Settings {
   float jump_counts[Channels];
   std::uint32_t jump_confirm_samples;
   std::uint32_t stuck_samples;
+
+  // A channel without a trusted value for so long goes where the glove is lost to.
+  std::uint32_t lost_ticks;  // 0: never
+  bool lost_rests;           // to rest_rad, else to its last trusted value
+  float lost_step_rad;       // per command frame
+  float rest_rad[Channels];
+
   float start_counts[Channels];  // of a channel that decides no joint
 
   // A broken line per channel; its first and last pieces go on.
@@ -129,6 +136,7 @@ class Controller {
       channels_[i] = Channel{};
       channels_[i].trusted = StartCounts(i);
       channels_[i].raw = settings_.min_counts[i] - 2.0F;  // no sample: out of range
+      channels_[i].silent_ticks = ~std::uint32_t{0};      // the first tick makes it 0
       Start(i);
     }
     for (std::size_t i = 0; i < Motors; ++i) {
@@ -141,6 +149,9 @@ class Controller {
   /// (null). True if a frame is due: `motor_counts` has new commands then, within each motor's
   /// range, and is not touched else.
   bool Step(const float* counts, std::int32_t* motor_counts) noexcept {
+    for (Channel& channel : channels_) {
+      if (channel.silent_ticks != settings_.lost_ticks) ++channel.silent_ticks;
+    }
     if (counts != nullptr) {
       for (std::size_t i = 0; i < Channels; ++i) AcceptSample(i, counts[i]);
       if (!settings_.filter_at_event) Filter();
@@ -148,12 +159,17 @@ class Controller {
     if (ticks_to_event_-- > 0) return false;
     ticks_to_event_ = settings_.ticks_per_event - 1;
     if (settings_.filter_at_event) Filter();
+    if (settings_.lost_ticks > 0) MoveLostChannels();
     MoveJoints();
     MoveMotors();
     for (std::size_t i = 0; i < Motors; ++i) motor_counts[i] = motors_[i].command;
     return true;
   }
 
+  /// True if a channel had no trusted value for `untrusted.lost_after_ms` of the settings.
+  bool lost(std::size_t channel) const noexcept {
+    return settings_.lost_ticks > 0 && channels_[channel].silent_ticks == settings_.lost_ticks;
+  }
   /// How many samples of a channel could not be trusted since Reset().
   std::uint32_t untrusted_samples(std::size_t channel) const noexcept {
     return channels_[channel].untrusted;
@@ -164,8 +180,11 @@ class Controller {
     float trusted, raw, candidate;
     float x, w, a;    // of the filter
     float angle_rad;  // behind it
+    float lost_rad;   // where it is while it is lost
     std::uint32_t same, confirmed, untrusted;
-    bool seen;
+    std::uint32_t silent_ticks;  // since the last trusted value
+    bool seen, moves_lost;
+    bool starts;  // its filter, with its next step
   };
   struct Motor {
     float limited;
@@ -177,7 +196,7 @@ class Controller {
     return value < low ? low : value > high ? high : value;
   }
 
-  /// A sample that can be trusted; `start` if it is the first one.
+  /// A sample; its filter starts with the first one that is trusted, and with one after a loss.
   void AcceptSample(std::size_t i, float counts) noexcept {
     Channel& channel = channels_[i];
     if (!IsTrusted(i, counts)) {
@@ -185,8 +204,10 @@ class Controller {
       return;
     }
     channel.trusted = counts;
-    if (channel.seen) return;
+    channel.silent_ticks = 0;
+    if (channel.seen && !channel.moves_lost) return;
     channel.seen = true;
+    channel.moves_lost = false;
     Start(i);
   }
   bool IsTrusted(std::size_t i, float counts) noexcept {
@@ -248,15 +269,19 @@ class Controller {
   }
   void Start(std::size_t i) noexcept {
     Channel& channel = channels_[i];
-    channel.x = Measured(i);
-    channel.w = 0.0F;
-    channel.a = 0.0F;
+    channel.starts = true;
     channel.angle_rad = AngleOf(i, channel.trusted);
     if constexpr (Steps > 0) prediction_.channels[i].fresh = true;
   }
   void Filter() noexcept {
     for (std::size_t i = 0; i < Channels; ++i) {
       Channel& channel = channels_[i];
+      if (channel.starts) {
+        channel.starts = false;
+        channel.x = Measured(i);
+        channel.w = 0.0F;
+        channel.a = 0.0F;
+      }
       channel.x += channel.w + 0.5F * channel.a;
       channel.w += channel.a;
       const float error = Measured(i) - channel.x;
@@ -323,6 +348,19 @@ class Controller {
     return sum / shares;
   }
 
+  void MoveLostChannels() noexcept {
+    for (std::size_t i = 0; i < Channels; ++i) {
+      Channel& channel = channels_[i];
+      if (!lost(i)) continue;
+      if (!channel.moves_lost) channel.lost_rad = channel.angle_rad;
+      channel.moves_lost = true;
+      const float goal_rad =
+          settings_.lost_rests ? settings_.rest_rad[i] : AngleOf(i, channel.trusted);
+      const float step_rad = settings_.lost_step_rad;
+      channel.lost_rad += Clamp(goal_rad - channel.lost_rad, -step_rad, step_rad);
+      channel.angle_rad = channel.lost_rad;
+    }
+  }
   void MoveJoints() noexcept {
     for (std::size_t j = 0; j < Joints; ++j) {
       float angle = settings_.joint_offset_rad[j];

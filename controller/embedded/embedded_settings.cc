@@ -6,9 +6,12 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <variant>
 
+#include "controller/angle.h"
+#include "controller/angle_estimator.h"
 #include "controller/controller.h"
 #include "controller/embedded/embedded_controller.h"
 #include "controller/filters/steady_gains.h"
@@ -49,7 +52,7 @@ Eigen::ArrayXXd GainsOf(const ControllerConfig& config, int channels, double rat
     if (kalman->start != Start::kFirst) Refuse("filter[0].start", "is zero, must be first");
     gains.topRows(kalman->states) = SteadyGains(*kalman, channels, rate_hz).transpose();
   } else if (std::holds_alternative<KalmanConfig>(settings)) {
-    Refuse("filter[0]", "is kalman, must be kalman_steady, to which it settles,");
+    Refuse("filter[0]", "is kalman, must be kalman_steady, to which it settles (--settle),");
   } else {
     Refuse("filter[0]", "is " + std::string(KindName(settings)) +
                             ", must be none, exponential, alpha_beta, alpha_beta_gamma or "
@@ -133,9 +136,6 @@ class Builder {
 
   void AddGuard() {
     const SampleGuardConfig& guard = config_.untrusted;
-    if (guard.lost_after_ms > 0.0) {
-      Refuse("untrusted.lost_after_ms", "is " + NumberText(guard.lost_after_ms) + ", must be 0");
-    }
     std::vector<double> least, most, jump;
     for (std::size_t i = 0; i < channels_; ++i) {
       const ConverterRange& range = converters_[i];
@@ -151,6 +151,22 @@ class Builder {
     Add("jump_confirm_samples", SamplesOf(guard.jump_confirm_ms), EmbeddedValue::kInteger);
     Add("stuck_samples", guard.stuck_after_ms > 0.0 ? SamplesOf(guard.stuck_after_ms) : kNever,
         EmbeddedValue::kInteger);
+    AddLostGlove();
+  }
+  /// As GloveWatch and Controller.
+  void AddLostGlove() {
+    const SampleGuardConfig& guard = config_.untrusted;
+    const double ticks =
+        std::clamp(std::ceil(robot_.timing.TicksOf(guard.lost_after_ms)), 1.0, kNever - 1.0);
+    Add("lost_ticks", guard.lost_after_ms > 0.0 ? ticks : 0.0, EmbeddedValue::kInteger);
+    Add("lost_rests", guard.when_lost == WhenLost::kRest ? 1.0 : 0.0, EmbeddedValue::kFlag);
+    Add("lost_step_rad", guard.lost_speed_deg_s * kRadPerDeg / robot_.timing.event_rate_hz(),
+        EmbeddedValue::kFloat);
+    const AngleEstimator estimator(robot_, config_);
+    std::vector<double> rest_rad(estimator.middle_rad().begin(), estimator.middle_rad().end());
+    JointMap(robot_.joint_map, robot_.glove.channel_names, robot_.hand)
+        .ToChannels(robot_.hand.reference_angle_rad, rest_rad);
+    AddList("rest_rad", rest_rad);
   }
   void AddLinearisation() {
     const auto line =
@@ -324,6 +340,37 @@ class Builder {
 };
 
 }  // namespace
+
+ControllerConfig Settled(const RobotConfig& robot, std::vector<std::string>& replaced) {
+  ControllerConfig config = robot.controller;
+  const double rate_hz = config.filter_at == FilterAt::kEvent ? robot.timing.event_rate_hz()
+                                                              : robot.timing.sample_rate_hz();
+  for (std::size_t i = 0; i < config.filters.size(); ++i) {
+    FilterSettings& settings = config.filters[i].settings;
+    const std::string before(KindName(settings));
+    std::string how;
+    if (const auto* kalman = std::get_if<KalmanConfig>(&settings);
+        kalman != nullptr && kalman->acceleration_window == 0) {
+      settings = KalmanSteadyConfig{.noise = KalmanNoise(kalman->noise), .states = kalman->states};
+    } else if (const auto* adaptive = std::get_if<KalmanAdaptiveConfig>(&settings)) {
+      settings = KalmanSteadyConfig{.noise = KalmanNoise(adaptive->noise)};
+      how = ", which no longer learns r and q";
+    } else if (const auto* one_euro = std::get_if<OneEuroConfig>(&settings)) {
+      const double turns = 2.0 * std::numbers::pi * one_euro->min_cutoff_hz;
+      settings = ExponentialConfig{.alpha = 1.0 / (1.0 + rate_hz / turns)};
+      how = " of min_cutoff_hz, which no longer opens with the speed";
+    } else if (auto* steady = std::get_if<KalmanSteadyConfig>(&settings);
+               steady != nullptr && steady->start == Start::kZero) {
+      steady->start = Start::kFirst;
+      how = " that starts at the first sample";
+    } else {
+      continue;
+    }
+    replaced.push_back("filter[" + std::to_string(i) + "] " + before + " by " +
+                       std::string(KindName(settings)) + how);
+  }
+  return config;
+}
 
 EmbeddedSettings EmbeddedSettingsOf(const RobotConfig& robot) { return Builder(robot).Build(); }
 

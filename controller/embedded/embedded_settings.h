@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -26,6 +27,12 @@ struct GAUNTLET_API EmbeddedSettings {
   std::size_t step_count = 0;    // that the prediction keeps; 0 without
   std::vector<EmbeddedValue> values;
 };
+
+/// Its controller with filters that embedded::Controller runs: each one with gains that change is
+/// replaced by what it settles to (kalman and kalman_adaptive by kalman_steady, one_euro by the
+/// exponential filter that it is at rest). `replaced` gets a phrase for each. What has no such form
+/// stays, and EmbeddedSettingsOf() refuses it.
+GAUNTLET_API ControllerConfig Settled(const RobotConfig& robot, std::vector<std::string>& replaced);
 
 /// The robot as embedded::Controller runs it.
 ///

@@ -84,6 +84,20 @@ RobotConfig Unusual() {
   return robot;
 }
 
+/// Gloves that are given up: the motors stay, without what the prediction was ahead; or they rest.
+RobotConfig HoldsALostGlove() {
+  RobotConfig robot = Adaptive();
+  robot.controller.untrusted.lost_after_ms = 100.0;
+  return robot;
+}
+RobotConfig RestsALostGlove() {
+  RobotConfig robot = SettledKalman();
+  robot.controller.untrusted.lost_after_ms = 40.5;
+  robot.controller.untrusted.when_lost = WhenLost::kRest;
+  robot.controller.filter_at = FilterAt::kEvent;
+  return robot;
+}
+
 /// A glove whose glitches only the ends of its converters tell.
 RobotConfig WithoutJumps() {
   RobotConfig robot = SettledKalman();
@@ -316,6 +330,8 @@ INSTANTIATE_TEST_SUITE_P(Robots, EmbeddedController,
                          testing::Values(NamedRobot{"SettledKalman", SettledKalman},
                                          NamedRobot{"Adaptive", Adaptive},
                                          NamedRobot{"Unusual", Unusual},
+                                         NamedRobot{"HoldsALostGlove", HoldsALostGlove},
+                                         NamedRobot{"RestsALostGlove", RestsALostGlove},
                                          NamedRobot{"MixedConverters", MixedConverters}));
 
 TEST(MixedConverters, GiveTheCommandsOfTheSameGloveWithOneConverter) {
@@ -340,6 +356,50 @@ TEST(MixedConverters, GiveTheCommandsOfTheSameGloveWithOneConverter) {
   EXPECT_LE(DifferencePerTenThousand(mixed, embedded(WithoutJumps())), 30);
 }
 
+TEST(EmbeddedStart, GivesUpAGloveThatDies) {
+  RobotConfig robot = RestsALostGlove();
+  robot.controller.filter_at = FilterAt::kSample;
+  const std::vector<std::int32_t> start = HalfClosed(kChannels);
+  const std::string flags =
+      fmt::format("-DABSENT_TICKS={} '-DSTART_COUNTS={}'", kAbsentTicks, fmt::join(start, ","));
+  const Commands commands =
+      Parse(Firmware(robot).Run(GAUNTLET_CXX, "", kAbsentTicks, "", flags).standard_output);
+  EXPECT_LE(DifferencePerTenThousand(commands, CommandsOf(robot, kAbsentTicks, start)), 30);
+  ASSERT_FALSE(commands.empty());
+  EXPECT_NE(commands.back(), commands.front()) << "towards rest";
+}
+
+TEST(EmbeddedSettings, ReplaceAFilterByWhatItSettlesTo) {
+  RobotConfig robot = SettledKalman();
+  const KalmanNoise noise = {.r = {15.0}, .q = {1e-4}};
+  std::vector<std::string> replaced;
+  const auto settled = [&](const FilterSettings& filter) {
+    replaced.clear();
+    robot.controller.filters = {{filter}};
+    robot.controller = Settled(robot, replaced);
+    return std::string(robot.controller.filters[0].kind());
+  };
+  EXPECT_EQ(settled(KalmanConfig{.noise = noise}), "kalman_steady");
+  EXPECT_THAT(replaced, testing::ElementsAre("filter[0] kalman by kalman_steady"));
+  // Where both have settled, the commands are the same.
+  RobotConfig kalman = robot;
+  kalman.controller.filters = {{KalmanConfig{.noise = noise}}};
+  Commands before = CommandsOf(kalman, 30'000);
+  Commands after = CommandsOf(robot, 30'000);
+  constexpr std::ptrdiff_t kEvents = 20'000 / 20;
+  before.erase(before.begin(), before.begin() + kEvents);
+  after.erase(after.begin(), after.begin() + kEvents);
+  EXPECT_LE(DifferencePerTenThousand(after, before), 30);
+
+  EXPECT_EQ(settled(OneEuroConfig{.min_cutoff_hz = 1.0, .beta = 0.1}), "exponential");
+  EXPECT_NEAR(std::get<ExponentialConfig>(robot.controller.filters[0].settings).alpha, 0.0062439,
+              1e-6);
+  EXPECT_EQ(settled(KalmanAdaptiveConfig{.noise = noise}), "kalman_steady");
+  EXPECT_EQ(settled(MedianConfig{}), "median") << "has no such form";
+  EXPECT_TRUE(replaced.empty());
+  EXPECT_EQ(settled(KalmanConfig{.noise = noise, .acceleration_window = 5}), "kalman");
+}
+
 TEST(EmbeddedSettings, RefuseWhatTheEmbeddedFormDoesNotHold) {
   const auto complaint = [](const auto& change) {
     RobotConfig robot = SettledKalman();
@@ -354,8 +414,8 @@ TEST(EmbeddedSettings, RefuseWhatTheEmbeddedFormDoesNotHold) {
   using Robot = RobotConfig&;
   EXPECT_EQ(complaint([](Robot) {}), "no complaint");
   EXPECT_EQ(complaint([](Robot r) { r.controller.filters = {{KalmanConfig{}}}; }),
-            "controller.filter[0]: is kalman, must be kalman_steady, to which it settles, in the "
-            "embedded form");
+            "controller.filter[0]: is kalman, must be kalman_steady, to which it settles (--settle), in "
+            "the embedded form");
   EXPECT_EQ(complaint([](Robot r) { r.controller.filters = {{MedianConfig{}}}; }),
             "controller.filter[0]: is median, must be none, exponential, alpha_beta, "
             "alpha_beta_gamma or kalman_steady in the embedded form");
