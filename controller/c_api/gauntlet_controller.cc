@@ -9,11 +9,12 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "controller/controller.h"
+#include "controller/number.h"
 #include "controller/robot_text.h"
+#include "controller/same_connections.h"
 
 namespace gc = gauntlet::controller;
 
@@ -64,30 +65,6 @@ static_assert(static_cast<int>(gc::LoopStatus::kInTime) == GAUNTLET_LOOP_IN_TIME
 static_assert(static_cast<int>(gc::Untrusted::kMissing) == GAUNTLET_UNTRUSTED_MISSING &&
               static_cast<int>(gc::Untrusted::kStale) == GAUNTLET_UNTRUSTED_STALE &&
               gc::kUntrustedKinds == GAUNTLET_UNTRUSTED_STALE + 1);
-
-/// True if both have the same glove, hand, timing and joint map.
-bool SameConnections(const gc::RobotConfig& a, const gc::RobotConfig& b) {
-  const auto glove = [](const gc::GloveCalibration& g) {
-    return std::tie(g.channel_names, g.low_counts, g.high_counts, g.low_angle_rad, g.high_angle_rad,
-                    g.frame_number_bits);
-  };
-  const auto hand = [](const gc::TendonTransmission& h) {
-    return std::tie(h.joint_names, h.motor_names, h.coupling, h.motor_of_joint,
-                    h.reference_angle_rad, h.joint_min_rad, h.joint_max_rad, h.counts_per_rad,
-                    h.center_counts, h.min_counts, h.max_counts, h.joint_sensors);
-  };
-  const auto clocks = [](const gc::Timing& t) {
-    return std::tie(t.tick_rate_hz, t.ticks_per_sample, t.event_period_ms, t.glove_rate_hz);
-  };
-  const auto same_source = [](const gc::JointSource& s, const gc::JointSource& t) {
-    return std::tie(s.joint, s.channels, s.weights, s.offset_deg) ==
-           std::tie(t.joint, t.channels, t.weights, t.offset_deg);
-  };
-  return glove(a.glove) == glove(b.glove) &&
-         gc::ConvertersOf(a.glove) == gc::ConvertersOf(b.glove) && hand(a.hand) == hand(b.hand) &&
-         clocks(a.timing) == clocks(b.timing) &&
-         std::ranges::equal(a.joint_map.joints, b.joint_map.joints, same_source);
-}
 
 /// Controller that `make` builds from the settings; null, with the error in one line, if it throws.
 template <class Make>
@@ -160,7 +137,7 @@ gauntlet_controller* gauntlet_controller_prepare(const gauntlet_controller* cont
                                                  char* error, size_t error_size) {
   return Made(settings, settings_length, error, error_size, [&](const gc::RobotConfig& robot) {
     if (controller == nullptr) throw gc::SettingError("controller", "is missing");
-    if (!SameConnections(robot, controller->robot)) {
+    if (!gc::SameConnections(robot, controller->robot)) {
       throw gc::SettingError("settings",
                              "have another glove, hand, joint_map or timing than the controller");
     }
@@ -304,6 +281,25 @@ gauntlet_result gauntlet_controller_angles(const gauntlet_controller* controller
       return Copy(from.target_angle_rad(), angle_rad, count);
   }
   return GAUNTLET_OUT_OF_RANGE;
+}
+
+gauntlet_result gauntlet_controller_take_elapsed_ms(gauntlet_controller* controller,
+                                                    double elapsed_ms) {
+  if (controller == nullptr) return GAUNTLET_NULL_POINTER;
+  controller->controller.TakeElapsedTime(elapsed_ms);
+  return GAUNTLET_OK;
+}
+
+gauntlet_loop_status gauntlet_controller_loop_status(const gauntlet_controller* controller) {
+  return controller != nullptr ? controller->loop_status : GAUNTLET_LOOP_IN_TIME;
+}
+
+int64_t gauntlet_controller_overruns(const gauntlet_controller* controller) {
+  return controller != nullptr ? controller->controller.overruns() : 0;
+}
+
+double gauntlet_controller_measured_tick_rate_hz(const gauntlet_controller* controller) {
+  return controller != nullptr ? controller->controller.measured_tick_rate_hz() : gc::kNaN;
 }
 
 gauntlet_result gauntlet_controller_set_channel_active(gauntlet_controller* controller,

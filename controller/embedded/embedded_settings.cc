@@ -61,6 +61,11 @@ Eigen::ArrayXXd GainsOf(const ControllerConfig& config, int channels, double rat
   return gains;
 }
 
+bool HasList(const FilterConfig& filter, std::string_view key) {
+  return std::ranges::find(filter.per_channel, key, &ChannelValues::key) !=
+         filter.per_channel.end();
+}
+
 /// Corners of each channel's broken line, counts growing; as many for each.
 std::vector<std::vector<double>> CornersOf(const RobotConfig& robot) {
   const LinearisationConfig& config = robot.controller.linearisation;
@@ -355,7 +360,9 @@ ControllerConfig Settled(const RobotConfig& robot, std::vector<std::string>& rep
     } else if (const auto* adaptive = std::get_if<KalmanAdaptiveConfig>(&settings)) {
       settings = KalmanSteadyConfig{.noise = KalmanNoise(adaptive->noise)};
       how = ", which no longer learns r and q";
-    } else if (const auto* one_euro = std::get_if<OneEuroConfig>(&settings)) {
+    } else if (const auto* one_euro = std::get_if<OneEuroConfig>(&settings);
+               one_euro != nullptr && !HasList(config.filters[i], "min_cutoff_hz")) {
+      config.filters[i].per_channel.clear();  // of the speed
       const double turns = 2.0 * std::numbers::pi * one_euro->min_cutoff_hz;
       settings = ExponentialConfig{.alpha = 1.0 / (1.0 + rate_hz / turns)};
       how = " of min_cutoff_hz, which no longer opens with the speed";

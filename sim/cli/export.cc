@@ -10,7 +10,9 @@
 #include <variant>
 #include <vector>
 
+#include "controller/embedded/embedded_settings.h"
 #include "controller/joint_map.h"
+#include "controller/validate.h"
 #include "sim/base/error.h"
 #include "sim/base/input_file.h"
 #include "sim/base/manifest.h"
@@ -27,6 +29,7 @@
 #include "sim/settings/robot_file.h"
 #include "sim/study/made_with.h"
 #include "sim/study/prediction_fit.h"
+#include "sim/study/recorded_units.h"
 #include "sim/study/scenario/scenario.h"
 #include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study.h"
@@ -45,6 +48,8 @@ struct ExportOptions {
   bool text = false;
   bool embedded = false;
   bool mjcf = false;
+  bool settle = false;
+  double tick_rate_hz = 0.0;  // 0: as in the trials
 
   Options Rows() {
     return {
@@ -56,8 +61,14 @@ struct ExportOptions {
                "write plain text [NAME.robot.txt], for C, Python, MATLAB and others"),
         Option("--embedded", &embedded, {.excludes = {"--text"}},
                "write a C++ header for a microcontroller, in float [NAME.embedded.robot.h]"),
-        Option("--mjcf", &mjcf, {.excludes = {"--controller", "--text", "--embedded"}},
+        Option("--mjcf", &mjcf,
+               {.excludes = {"--controller", "--text", "--embedded", "--tick-rate-hz"}},
                "write the hand as one MJCF file for any MuJoCo [hand.mjcf.xml]"),
+        Option("--settle", &settle, {.needs = {"--embedded"}},
+               "replace filters that a microcontroller cannot run by what they settle to"),
+        Option("--tick-rate-hz", &tick_rate_hz, {.value = "HZ"},
+               "steps per second of the robot's loop [as in the trials: the glove's rate times a "
+               "whole number, about 1000]"),
     };
   }
 
@@ -66,6 +77,10 @@ The file contains the controller's settings, the calibration of the glove, the j
 hand's motors and coupling, and the clocks. The calibration is that of the trials: the calibration
 file of the controller, else the column map of a recording in counts, else the simulated glove.
 The first lines contain warnings about it, the joints without a sensor, and how to load the file.
+A recording that is not in counts gives a robot that takes what its columns hold, as degrees.
+
+The robot's loop must step at the rate in the file (timing.tick_rate_hz). A glove of another rate
+needs no whole number of steps between two samples.
 
 --mjcf writes no controller but the hand, for simulation without Gauntlet. Its cables are spatial
 tendons of MuJoCo with an actuator each; meshes stand beside the file in a folder of its name.
@@ -73,6 +88,7 @@ tendons of MuJoCo with an actuator each; meshes stand beside the file in a folde
 Examples:
   gauntlet export out/door_opening --controller tuned_kalman --out robot.yaml
   gauntlet export out/door_opening --mjcf --out hand.xml
+  gauntlet export out/door_opening --controller tuned_kalman --embedded --settle
 )";
 };
 
@@ -120,7 +136,8 @@ void AddTo(Groups& groups, const std::string& key, const std::string& name) {
 
 /// The parts of the file that are no measurement of the user's glove, and the joints without a
 /// sensor: a sentence each.
-std::vector<std::string> NotesOf(const GloveConfig& config, const controller::RobotConfig& robot) {
+std::vector<std::string> NotesOf(const GloveConfig& config, const controller::RobotConfig& robot,
+                                 const std::string& units) {
   const bool is_calibrated =
       robot.controller.linearisation.kind != controller::LinearisationKind::kGlove;
   std::vector<std::string> notes;
@@ -131,7 +148,7 @@ std::vector<std::string> NotesOf(const GloveConfig& config, const controller::Ro
     if (own == config.calibration.end()) {
       const std::string counts =
           fmt::format("{:g} to {:g}", robot.glove.low_counts[i], robot.glove.high_counts[i]);
-      if (!is_calibrated) AddTo(simulated, counts, name);
+      if (!is_calibrated && units.empty()) AddTo(simulated, counts, name);
     } else if (!own->assumed.empty()) {
       AddTo(assumed, own->assumed, name);
     }
@@ -146,6 +163,10 @@ std::vector<std::string> NotesOf(const GloveConfig& config, const controller::Ro
     notes.push_back(fmt::format(
         "warning: the column map assumes {} of {}. Confirm it with the row all,confirmed{}", words,
         names, is_calibrated ? "; the calibration file decides the range" : ""));
+  }
+  if (!units.empty()) notes.push_back(units);
+  for (const controller::RobotProblem& problem : controller::Validate(robot)) {
+    notes.push_back(TextOf(problem));
   }
   const controller::JointMap map(robot.joint_map, robot.glove.channel_names, robot.hand);
   for (int joint = 0; joint < map.joint_count(); ++joint) {
@@ -204,6 +225,33 @@ void WriteMjcf(const Scenario& scenario, const HandModel& hand,
   Say("wrote {}\n", target.string());
 }
 
+/// What the robot's loop and its processor ask for; a note for each change.
+std::vector<std::string> Adapt(const ExportOptions& options, controller::RobotConfig& robot) {
+  std::vector<std::string> notes;
+  controller::Timing& timing = robot.timing;
+  if (options.tick_rate_hz != 0.0) {
+    try {
+      timing = WithTickRate(timing, options.tick_rate_hz);
+    } catch (const controller::SettingError& error) {
+      throw UserError({.place = "--tick-rate-hz", .problem = error.problem()});
+    }
+  } else if (constexpr double kUsual_hz = 1000.0; timing.tick_rate_hz != kUsual_hz) {
+    notes.push_back(
+        fmt::format("the robot's loop must step {:.6g} times per second, {} times per sample of a "
+                    "glove of {:.6g} Hz; --tick-rate-hz chooses another rate",
+                    timing.tick_rate_hz, timing.ticks_per_sample, timing.sample_rate_hz()));
+  }
+  if (options.settle) {
+    std::vector<std::string> replaced;
+    robot.controller = Settled(robot, replaced);
+    for (const std::string& one : replaced) {
+      notes.push_back("--settle replaces " + one +
+                      "; its commands differ from those of the trials");
+    }
+  }
+  return notes;
+}
+
 void RunExport(const ExportOptions& options) {
   if (options.controller.empty() && !options.mjcf) {
     throw UserError("--controller is required; see gauntlet export --help");
@@ -226,13 +274,16 @@ void RunExport(const ExportOptions& options) {
   const std::filesystem::path target = TargetOf(options);
   MakeDirectoryOf(target);
   if (named == nullptr) return WriteMjcf(scenario, hand, target);
-  const controller::RobotConfig robot = RobotOf(scenario, hand, ForRobot(scenario, named->config));
+  controller::RobotConfig robot = RobotOf(scenario, hand, ForRobot(scenario, named->config));
+  const std::string units = UseRecordedUnits(scenario.glove, robot);
+  std::vector<std::string> notes = Adapt(options, robot);
   const RobotOrigin origin{.gauntlet_version = GAUNTLET_VERSION,
                            .scenario = scenario.name,
                            .controller = named->name,
                            .model_hash = hand.Hash(),
                            .file = target.filename().string()};
-  const std::vector<std::string> notes = NotesOf(scenario.glove, robot);
+  const std::vector<std::string> of_robot = NotesOf(scenario.glove, robot, units);
+  notes.insert(notes.begin(), of_robot.begin(), of_robot.end());
   WriteOutputFile(target, CommentsOf(notes, options) + ContentOf(options, robot, origin));
   for (const std::string& note : notes) Say("gauntlet: {}\n", note);
   Say("wrote {}\n", target.string());

@@ -185,6 +185,11 @@ std::string NamespaceOf(const RobotOrigin& origin) {
 
 }  // namespace
 
+std::string TicksPerSampleText(const controller::Timing& timing) {
+  if (timing.glove_rate_hz == 0.0) return fmt::format("{}", timing.ticks_per_sample);
+  return fmt::format("{:.4g}", timing.tick_rate_hz / timing.glove_rate_hz);
+}
+
 std::string RobotToText(const controller::RobotConfig& robot, const RobotOrigin& origin) {
   return fmt::format(
              R"(# Controller {} of scenario {} (hand model {}), written by
@@ -193,7 +198,7 @@ std::string RobotToText(const controller::RobotConfig& robot, const RobotOrigin&
 # gauntlet_controller_step() {:.6g} times per second, with a new sample of the glove every {} times.
 )",
              OneLine(origin.controller), OneLine(origin.scenario), origin.model_hash,
-             origin.gauntlet_version, robot.timing.tick_rate_hz, robot.timing.ticks_per_sample) +
+             origin.gauntlet_version, robot.timing.tick_rate_hz, TicksPerSampleText(robot.timing)) +
          AsText(RowsOf(robot));
 }
 
@@ -213,7 +218,7 @@ std::string RobotToEmbeddedHeader(const controller::RobotConfig& robot, const Ro
 //
 //   static robot::Controller controller(robot::kSettings);
 //
-// and Step() {rate:.6g} times per second, with a new sample of the glove every {every} times.
+// and Step() {rate:.6g} times per second, with a new sample of the glove every {fresh} times.
 #pragma once
 
 #include "controller/embedded/embedded_controller.h"
@@ -236,6 +241,7 @@ using Controller = gauntlet::embedded::Controller<{channels}, {joints}, {motors}
       fmt::arg("scenario", OneLine(origin.scenario)), fmt::arg("hash", origin.model_hash),
       fmt::arg("version", origin.gauntlet_version), fmt::arg("rate", robot.timing.tick_rate_hz),
       fmt::arg("every", robot.timing.ticks_per_sample),
+      fmt::arg("fresh", TicksPerSampleText(robot.timing)),
       fmt::arg("channels", robot.glove.channel_names.size()),
       fmt::arg("joints", robot.hand.joint_names.size()),
       fmt::arg("motors", robot.hand.motor_names.size()), fmt::arg("corners", settings.corner_count),

@@ -11,6 +11,9 @@ namespace gauntlet::sim {
 /// gauntlet_controller_create() read.
 std::string RobotToText(const controller::RobotConfig& robot, const RobotOrigin& origin);
 
+/// Steps of the loop from one sample of the glove to the next, also where that is a fraction.
+std::string TicksPerSampleText(const controller::Timing& timing);
+
 /// Settings of embedded::Controller, as a C++ header of constants in `float`: `robot::Controller`
 /// is made of `robot::kSettings`. Errors: SettingError for what the embedded form does not hold.
 std::string RobotToEmbeddedHeader(const controller::RobotConfig& robot, const RobotOrigin& origin);

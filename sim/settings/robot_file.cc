@@ -10,8 +10,10 @@
 
 #include "controller/controller.h"
 #include "controller/robot_text.h"
+#include "controller/validate.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/settings/robot_constants.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_writer.h"
 
@@ -22,7 +24,7 @@ using controller::RobotConfig;
 using controller::SettingError;
 
 std::string Header(const RobotConfig& robot, const RobotOrigin& origin) {
-  const int every = robot.timing.ticks_per_sample;
+  const std::string every = TicksPerSampleText(robot.timing);
   return fmt::format(
       R"(# Controller {controller} of scenario {scenario} (hand model {hash}), written by
 # gauntlet {version} export. Angles in rad; values have all digits. On the robot (CMake:
@@ -43,8 +45,8 @@ std::string Header(const RobotConfig& robot, const RobotOrigin& origin) {
       fmt::arg("controller", origin.controller), fmt::arg("file", origin.file),
       fmt::arg("scenario", OneLine(origin.scenario)), fmt::arg("hash", origin.model_hash),
       fmt::arg("version", origin.gauntlet_version), fmt::arg("rate", robot.timing.tick_rate_hz),
-      fmt::arg("fresh", every == 1 ? "each time with a new sample of the glove"
-                                   : fmt::format("a new sample every {} times", every)));
+      fmt::arg("fresh", every == "1" ? "each time with a new sample of the glove"
+                                     : fmt::format("a new sample every {} times", every)));
 }
 
 /// The keys that Controller's constructor names, as the file has them.
@@ -119,6 +121,25 @@ RobotConfig ParseRobot(const std::filesystem::path& file, std::string_view text)
                      .problem = error.problem()});
   }
   return robot;
+}
+
+std::vector<std::string> ProblemsOfRobot(const std::filesystem::path& file,
+                                         const std::optional<std::string>& text) {
+  std::vector<std::string> lines;
+  try {
+    const std::string content = text ? *text : ReadYamlText(file);
+    if (file.extension() == ".txt") return controller::ProblemsOfText(content);
+    const YamlNode root = ParseYaml(file, content);
+    const YamlSource source{.file = file, .overrides = {}};
+    RobotConfig robot;
+    ReadAll(root, source, robot);
+    for (const controller::RobotProblem& problem : controller::Validate(robot)) {
+      lines.push_back(source.PlaceOf(NodeAt(root, problem.key), "") + ": " + TextOf(problem));
+    }
+  } catch (const UserError& error) {
+    lines = {error.what()};
+  }
+  return lines;
 }
 
 }  // namespace gauntlet::sim

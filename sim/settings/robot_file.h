@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "controller/controller_config.h"
 
@@ -30,5 +32,10 @@ std::string RobotToYaml(const controller::RobotConfig& robot, const RobotOrigin&
 controller::RobotConfig LoadRobot(const std::filesystem::path& file);
 /// Robot from the text of a file.
 controller::RobotConfig ParseRobot(const std::filesystem::path& file, std::string_view text);
+
+/// All problems of such a file, or of its text, a line each (see controller::Validate()); of one
+/// that cannot be read, or has values outside their ranges, the first error.
+std::vector<std::string> ProblemsOfRobot(const std::filesystem::path& file,
+                                         const std::optional<std::string>& text = {});
 
 }  // namespace gauntlet::sim

@@ -39,6 +39,18 @@ std::string_view NameOf(GloveStatus status) {
   return {};
 }
 
+std::string_view NameOf(controller::LoopStatus status) {
+  switch (status) {
+    case controller::LoopStatus::kInTime:
+      return "in_time";
+    case controller::LoopStatus::kOverrun:
+      return "overrun";
+    case controller::LoopStatus::kWrongRate:
+      return "wrong_rate";
+  }
+  return {};
+}
+
 std::string_view NameOf(Untrusted reason) {
   switch (reason) {
     case Untrusted::kMissing:

@@ -228,6 +228,53 @@ TEST(CApi, TellsASickGloveFromAHealthyOne) {
   EXPECT_EQ(gauntlet_controller_channel_active(nullptr, 0), 0);
 }
 
+TEST(CApi, ReportsALoopOfAnotherRateAndLateSteps) {
+  const Handle handle = Create(Robot());
+  EXPECT_TRUE(std::isnan(gauntlet_controller_measured_tick_rate_hz(handle.get())));
+  const double period_ms = 1e3 / gauntlet_controller_tick_rate_hz(handle.get());
+  std::vector<std::int32_t> motors(kChannels);
+  const auto step = [&](double elapsed_ms) {
+    EXPECT_EQ(gauntlet_controller_take_elapsed_ms(handle.get(), elapsed_ms), GAUNTLET_OK);
+    gauntlet_controller_step(handle.get(), nullptr, 0, motors.data(), kChannels);
+    return gauntlet_controller_loop_status(handle.get());
+  };
+  EXPECT_EQ(step(period_ms), GAUNTLET_LOOP_IN_TIME);
+  EXPECT_EQ(step(2.0 * period_ms), GAUNTLET_LOOP_OVERRUN);
+  EXPECT_EQ(gauntlet_controller_overruns(handle.get()), 1);
+  for (int k = 0; k < 254; ++k) step(1.08 * period_ms);
+  EXPECT_EQ(gauntlet_controller_loop_status(handle.get()), GAUNTLET_LOOP_WRONG_RATE);
+  EXPECT_NEAR(gauntlet_controller_measured_tick_rate_hz(handle.get()) * period_ms, 1e3 / 1.08, 5.0);
+  EXPECT_EQ(gauntlet_controller_take_elapsed_ms(nullptr, 1.0), GAUNTLET_NULL_POINTER);
+  EXPECT_EQ(gauntlet_controller_loop_status(nullptr), GAUNTLET_LOOP_IN_TIME);
+  EXPECT_EQ(gauntlet_controller_overruns(nullptr), 0);
+}
+
+TEST(CApi, ListsAllThatIsWrongOrDoubtful) {
+  const auto validate = [](const std::string& text, std::size_t room = 2000) {
+    std::string lines(room, 'x');
+    const std::size_t count =
+        gauntlet_controller_validate(text.data(), text.size(), lines.data(), lines.size());
+    lines.resize(lines.find('\0'));
+    return std::pair(count, lines);
+  };
+  RobotConfig robot = Robot();
+  EXPECT_EQ(validate(sim::RobotToText(robot, {})), std::pair(std::size_t{0}, std::string()));
+  robot.glove.high_angle_rad[1] = 6.0;
+  robot.glove.channel_names[3] = robot.glove.channel_names[2];
+  robot.joint_map.joints = {{.joint = "no_joint", .channels = {}}};
+  const auto [count, lines] = validate(sim::RobotToText(robot, {}));
+  EXPECT_EQ(count, 2u) << lines;  // poses need a joint map
+  EXPECT_THAT(lines, testing::HasSubstr("appears twice\n"));
+  EXPECT_THAT(lines, testing::HasSubstr("no_joint"));
+  robot = Robot();
+  robot.glove.high_angle_rad[1] = 6.0;
+  const std::string doubtful = sim::RobotToText(robot, {});
+  EXPECT_THAT(validate(doubtful).second, testing::StartsWith("warning: line "));
+  EXPECT_EQ(validate(doubtful, 20), std::pair(std::size_t{1}, std::string())) << "no room";
+  EXPECT_EQ(gauntlet_controller_validate(doubtful.data(), doubtful.size(), nullptr, 0), 1u);
+  EXPECT_EQ(validate("nonsense").first, 1u);
+}
+
 TEST(CApi, SwapsOtherSettingsIn) {
   const Handle handle = Create(Robot());
   Controller controller(Robot());

@@ -389,6 +389,33 @@ TEST(RobotText, OfAnOlderVersionHasTheDefaultsOfNewSettings) {
   EXPECT_EQ(Values(controller::RobotFromText(text)), Values(Finger()));
 }
 
+TEST(RobotFile, HasTheRateOfAGloveWhosePeriodIsNoWholeNumberOfSteps) {
+  RobotConfig robot = Finger();
+  EXPECT_THAT(sim::RobotToYaml(robot, {}), Not(HasSubstr("glove_rate_hz"))) << "as before";
+  robot.timing = controller::WithTickRate({.tick_rate_hz = 1080.0, .ticks_per_sample = 12}, 1000.0);
+  const std::string yaml = sim::RobotToYaml(robot, {});
+  EXPECT_THAT(yaml, HasSubstr("a new sample every 11.11 times"));
+  EXPECT_EQ(sim::ParseRobot("robot.yaml", yaml).timing.sample_rate_hz(), 90.0);
+  EXPECT_EQ(sim::ParseRobot("robot.txt", sim::RobotToText(robot, {})).timing.sample_rate_hz(),
+            90.0);
+}
+
+TEST(RobotFile, ListsItsProblemsWithTheirPlaces) {
+  RobotConfig robot = Finger();
+  robot.joint_map.joints = {{.joint = "mcp", .channels = {"a"}},
+                            {.joint = "pip", .channels = {"b"}}};
+  EXPECT_TRUE(sim::ProblemsOfRobot("robot.yaml", sim::RobotToYaml(robot, {})).empty());
+  robot.glove.high_angle_rad[0] = 6.1;
+  const auto yaml = sim::ProblemsOfRobot("robot.yaml", sim::RobotToYaml(robot, {}));
+  ASSERT_EQ(yaml.size(), 1u);
+  EXPECT_THAT(yaml[0], testing::MatchesRegex("robot.yaml:[0-9]+:[0-9]+: warning: "
+                                             "glove.channels.*high_angle_rad: is 6.1.*"));
+  const auto text = sim::ProblemsOfRobot("robot.txt", sim::RobotToText(robot, {}));
+  ASSERT_EQ(text.size(), 1u);
+  EXPECT_THAT(text[0], HasSubstr("warning: line "));
+  EXPECT_EQ(sim::ProblemsOfRobot("robot.yaml", "glove: 1\n").size(), 1u);
+}
+
 TEST(RobotText, IsReadFromAFileThatEndsInTxt) {
   const test::TemporaryDirectory folder;
   const auto file = folder.path() / "robot.txt";

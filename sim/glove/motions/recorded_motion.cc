@@ -322,8 +322,11 @@ ColumnMap ReadMapOf(const RecordedMotionConfig& config) {
   if (!std::filesystem::is_regular_file(config.file, none)) {  // a pipe can be read once
     throw UserError({.place = config.file, .problem = "no such file"});
   }
-  return ReadColumnMap(config.map, CsvReader(config.file, TableSource(config.file, config.array),
-                                             config.problems, {}, config.skip_lines));
+  const CsvReader recording(config.file, TableSource(config.file, config.array), config.problems,
+                            {}, config.skip_lines);
+  if (!config.map.empty()) return ReadColumnMap(config.map, recording);
+  std::vector<std::string> left_out;
+  return MapByHeader(recording, config.problems, left_out);
 }
 
 Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& context) {

@@ -55,7 +55,7 @@ struct RecordedMotionConfig {
   void Visit(controller::SettingsVisitor& visitor);
 };
 
-/// The column map of the recording. Errors: UserError.
+/// The column map of the recording, or the map by the names of its columns. Errors: UserError.
 ColumnMap ReadMapOf(const RecordedMotionConfig& config);
 
 /// For `measured`, angle_rad is the reference, always by interpolation, and measured_rad what the
