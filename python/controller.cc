@@ -10,8 +10,11 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "controller/same_connections.h"
+#include "controller/step_recorder.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "sim/base/error.h"
@@ -34,12 +37,59 @@ class BoundController {
   explicit BoundController(const controller::RobotConfig& robot)
       : robot_(robot), controller_(robot) {}
 
-  Counts Step(const py::object& sample, const std::optional<std::int64_t>& number) {
+  Counts Step(const py::object& sample, const std::optional<std::int64_t>& number,
+              const std::optional<double>& elapsed_ms) {
     const auto lock = Lock();
-    if (sample.is_none()) return Told(controller_.Step());
+    if (elapsed_ms) controller_.TakeElapsedTime(*elapsed_ms);
+    if (sample.is_none()) return Told(controller_.Step(), nullptr);
     const Rows counts = RowsOf(sample, kControllerPlace);
     CheckChannels(counts.ndim() == 1 ? static_cast<std::size_t>(counts.shape(0)) : 0);
-    return Told(controller_.Step({.counts = ValuesOf(counts), .number = number}));
+    const controller::GloveSample given{.counts = ValuesOf(counts), .number = number};
+    return Told(controller_.Step(given), &given);
+  }
+
+  /// A controller with the settings of `robot`, which has the same glove, hand and timing.
+  std::unique_ptr<BoundController> Prepare(const controller::RobotConfig& robot) const {
+    if (!controller::SameConnections(robot, robot_)) {
+      throw sim::UserError(
+          {.place = kControllerPlace,
+           .problem = "has another glove, hand, joint_map or timing than the controller"});
+    }
+    return std::unique_ptr<BoundController>(
+        new BoundController(robot, controller_.Prepare(robot.controller)));
+  }
+  void Swap(BoundController& next) {
+    const auto lock = Lock();
+    if (&next == this || !controller_.Swap(next.controller_)) {
+      throw sim::UserError({.place = kControllerPlace,
+                            .problem = "must be one that prepare() of this controller made"});
+    }
+    std::swap(robot_.controller, next.robot_.controller);
+  }
+
+  /// Keeps the last steps from now on; 0: none.
+  void Record(int steps) {
+    const auto lock = Lock();
+    recorder_.reset();
+    if (steps > 0) recorder_ = std::make_unique<controller::StepRecorder>(robot_, steps);
+  }
+  std::vector<std::string> recorded_columns() {
+    const auto lock = Lock();
+    return recorder_ ? recorder_->column_names() : std::vector<std::string>();
+  }
+  /// Kept steps x columns.
+  py::array_t<double> RecordedSteps() {
+    const auto lock = Lock();
+    const std::size_t columns = recorder_ ? recorder_->column_names().size() : 0;
+    const std::size_t rows = recorder_ ? recorder_->size() : 0;
+    py::array_t<double> steps({rows, columns});
+    if (rows > 0) recorder_->CopyTo({steps.mutable_data(), rows * columns});
+    return steps;
+  }
+  std::string RecordedCsv() {
+    const py::array_t<double> steps = RecordedSteps();
+    return sim::StepsToCsv(recorded_columns(),
+                           {steps.data(), static_cast<std::size_t>(steps.size())});
   }
 
   /// A tick with each sample, and the ticks without one up to the next: a row of counts per tick.
@@ -58,12 +108,14 @@ class BoundController {
       {
         const py::gil_scoped_release unlocked;
         for (const std::size_t end = std::min(row + kRows, count); row < end; ++row) {
-          controller::Command command =
-              controller_.Step({.counts = from.subspan(row * width, width)});
+          const controller::GloveSample sample{.counts = from.subspan(row * width, width)};
+          controller::Command command = controller_.Step(sample);
+          Keep(&sample, command);
           for (std::size_t tick = row * ticks;; ++tick) {
             std::ranges::copy(command.motor_counts, to.subspan(tick * motors, motors).begin());
             if (tick + 1 == (row + 1) * ticks) break;
             command = controller_.Step();
+            Keep(nullptr, command);
           }
           last_ = command;
         }
@@ -117,6 +169,9 @@ class BoundController {
 
   bool event() const { return last_.event; }
   std::string status() const { return std::string(sim::NameOf(last_.glove)); }
+  std::string loop_status() const { return std::string(sim::NameOf(last_.loop)); }
+  std::int64_t overruns() const { return controller_.overruns(); }
+  double measured_tick_rate_hz() const { return controller_.measured_tick_rate_hz(); }
   const controller::RobotConfig& robot() const { return robot_; }
 
  private:
@@ -128,7 +183,21 @@ class BoundController {
     return lock;
   }
 
-  Counts Told(const controller::Command& command) {
+  BoundController(const controller::RobotConfig& robot, controller::Controller prepared)
+      : robot_(robot), controller_(std::move(prepared)) {}
+
+  /// For the recorder, if there is one; `sample` may be null.
+  void Keep(const controller::GloveSample* sample, const controller::Command& command) noexcept {
+    if (!recorder_) return;
+    if (sample != nullptr) {
+      recorder_->Add(*sample, controller_, command);
+    } else {
+      recorder_->Add(controller_, command);
+    }
+  }
+
+  Counts Told(const controller::Command& command, const controller::GloveSample* sample) {
+    Keep(sample, command);
     last_ = command;
     return Counts(static_cast<py::ssize_t>(command.motor_counts.size()),
                   command.motor_counts.data());
@@ -163,12 +232,19 @@ class BoundController {
   controller::RobotConfig robot_;
   controller::Controller controller_;
   controller::Command last_;
+  std::unique_ptr<controller::StepRecorder> recorder_;
   std::mutex mutex_;
 };
 
 }  // namespace
 
 void BindController(py::module_& module) {
+  module.def(
+      "problems_of_robot",
+      [](const std::string& file, const std::optional<std::string>& text) {
+        return sim::ProblemsOfRobot(file, text);
+      },
+      py::arg("file"), py::arg("text"));
   using Controller = controller::Controller;
   py::class_<BoundController>(module, "Controller")
       .def(py::init([](const std::string& file, const std::optional<std::string>& text) {
@@ -176,7 +252,20 @@ void BindController(py::module_& module) {
                                                            : sim::LoadRobot(file));
            }),
            py::arg("file"), py::arg("text"))
-      .def("step", &BoundController::Step, py::arg("sample"), py::arg("number"))
+      .def("step", &BoundController::Step, py::arg("sample"), py::arg("number"),
+           py::arg("elapsed_ms"))
+      .def(
+          "prepare",
+          [](const BoundController& self, const std::string& file,
+             const std::optional<std::string>& text) {
+            return self.Prepare(text ? sim::ParseRobot(file, *text) : sim::LoadRobot(file));
+          },
+          py::arg("file"), py::arg("text"))
+      .def("swap", &BoundController::Swap, py::arg("prepared"))
+      .def("record", &BoundController::Record, py::arg("steps"))
+      .def_property_readonly("recorded_columns", &BoundController::recorded_columns)
+      .def("recorded_steps", &BoundController::RecordedSteps)
+      .def("recorded_csv", &BoundController::RecordedCsv)
       .def("steps", &BoundController::StepRows, py::arg("samples"))
       .def("take_joint_angles", &BoundController::TakeJointAngles, py::arg("measured_rad"))
       .def("reset", &BoundController::Reset, py::arg("motor_counts"))
@@ -185,6 +274,9 @@ void BindController(py::module_& module) {
       .def("sample_age_ms", &BoundController::SampleAgeMs, py::arg("channel"))
       .def_property_readonly("event", &BoundController::event)
       .def_property_readonly("status", &BoundController::status)
+      .def_property_readonly("loop_status", &BoundController::loop_status)
+      .def_property_readonly("overruns", &BoundController::overruns)
+      .def_property_readonly("measured_tick_rate_hz", &BoundController::measured_tick_rate_hz)
       .def_property_readonly(
           "channel_names",
           [](const BoundController& self) { return self.robot().glove.channel_names; })

@@ -31,7 +31,7 @@ from ._settings import Settings, overrides as _overrides, source as _source, to_
 __version__: str = _core.__version__
 __all__ = ["AuditResult", "Column", "Controller", "Figure", "Filter", "IdentifyResult", "InspectResult", "PythonFilter", "Remark", "Result",
            "RunError", "SettingError", "Settings", "SignalArrays", "StudyResult", "SweepResult", "Table", "TuneResult", "audit",
-           "compare", "filter", "filter_kinds", "identify", "inspect", "run", "sweep", "to_yaml", "tune"]
+           "check_robot", "compare", "filter", "filter_kinds", "identify", "inspect", "run", "sweep", "to_yaml", "tune"]
 
 #: None: a line on standard error if that is a terminal. True, False: with or without it. Or a function of
 #: what is done and what there is in all, called about twenty times per second.
@@ -109,6 +109,14 @@ def filter_kinds() -> list[str]:
     return _core.filter_kinds()
 
 
+def check_robot(robot: Settings) -> list[str]:
+    """All problems of a robot's settings, a line each; warnings begin with "warning: " behind their place.
+
+    robot: as of Controller. Of a file that cannot be read, or has values outside their ranges: the first error.
+    """
+    return _core.problems_of_robot(*_source(robot, "controller"))
+
+
 class Controller:
     """What runs on the robot, from glove to motors: see controller/README.md.
 
@@ -125,12 +133,63 @@ class Controller:
     def __deepcopy__(self, memo: object) -> Controller:
         return self.__copy__()
 
-    def step(self, sample: Any = None, *, number: Optional[int] = None) -> np.ndarray:
+    def step(self, sample: Any = None, *, number: Optional[int] = None,
+             elapsed_ms: Optional[float] = None) -> np.ndarray:
         """One tick, with a sample (counts per channel; NaN or masked: missing) or without: motor counts.
 
         number: that of the glove's frame, if the glove counts its frames.
+        elapsed_ms: time since the last step, as the loop measured it: see `loop_status` and `overruns`.
         """
-        return self._core.step(sample, number)
+        return self._core.step(sample, number, elapsed_ms)
+
+    def prepare(self, robot: Settings) -> Controller:
+        """A controller with other settings for the same glove, hand, joint map and timing, for swap()."""
+        prepared = Controller.__new__(Controller)
+        prepared._core = self._core.prepare(*_source(robot, "controller"))
+        return prepared
+
+    def swap(self, prepared: Controller) -> None:
+        """Takes over the settings of a prepared controller from the next sample on; that one has the old ones then.
+
+        Filters of the same kind, unit and step keep their state; others start at the joint's angle.
+        """
+        self._core.swap(prepared._core)
+
+    def record(self, steps: int) -> None:
+        """Keeps the last so many steps from now on (0: none), to find the cause of a fault afterwards.
+
+        They are those of this object, also across a swap(): `recorded_steps`, `recorded_columns`, recorded_csv().
+        """
+        self._core.record(steps)
+
+    @property
+    def recorded_columns(self) -> list[str]:
+        """Names of the columns of `recorded_steps`; controller/step_recorder.h has their meaning."""
+        return self._core.recorded_columns
+
+    @property
+    def recorded_steps(self) -> np.ndarray:
+        """Kept steps x columns, the oldest first."""
+        return self._core.recorded_steps()
+
+    def recorded_csv(self) -> str:
+        """The same as CSV, with names of states and reasons."""
+        return self._core.recorded_csv()
+
+    @property
+    def loop_status(self) -> str:
+        """Of the loop by `elapsed_ms`: in_time, overrun (half a tick late or more) or wrong_rate (by more than 5 %)."""
+        return self._core.loop_status
+
+    @property
+    def overruns(self) -> int:
+        """Steps since the last reset that came half a tick late or more."""
+        return self._core.overruns
+
+    @property
+    def measured_tick_rate_hz(self) -> float:
+        """Rate of the loop over the last 256 steps with `elapsed_ms`; NaN before."""
+        return self._core.measured_tick_rate_hz
 
     def steps(self, samples: Any) -> np.ndarray:
         """The same for samples x channels: a tick with each sample, and those without one up to the next.

@@ -60,6 +60,61 @@ class Controller(Test):
         self.assertTrue(np.array_equal(masked.step(np.ma.masked_array(sample, mask)), missing.step(np.where(mask, np.nan, sample))))
         self.assertEqual(masked.untrusted_samples[3], 1)
 
+    def test_takes_over_other_settings_while_it_runs(self):
+        controller, expected = gauntlet.Controller(self.robot), gauntlet.Controller(self.robot)
+        other = self.robot.read_text().replace("coupling_compensation: true", "coupling_compensation: false")
+        prepared = controller.prepare(other)
+        self.assertTrue(np.array_equal(controller.steps(self.counts[:50]), expected.steps(self.counts[:50])))
+        controller.swap(prepared)
+        controller.swap(prepared)  # and back
+        self.assertTrue(np.array_equal(controller.steps(self.counts[50:]), expected.steps(self.counts[50:])))
+        controller.swap(prepared)
+        other_way = gauntlet.Controller(other).steps(self.counts)[-1]
+        self.assertTrue(np.array_equal(controller.steps(self.counts)[-1], other_way), "with the settings of the other")
+        self.assertIn("another glove", str(self.mistake(controller.prepare, other.replace("full_scale_counts: 1023",
+                                                                                          "full_scale_counts: 2047"))))
+        self.assertIn("prepare()", str(self.mistake(controller.swap, expected)))
+        self.assertIn("prepare()", str(self.mistake(controller.swap, controller)))
+
+    def test_keeps_its_last_steps(self):
+        controller = gauntlet.Controller(self.robot)
+        self.assertEqual(controller.recorded_steps.shape, (0, 0))
+        controller.record(30)
+        commands = controller.steps(self.counts[:50])
+        sample = np.array(self.counts[50])
+        sample[3] = np.nan
+        last = controller.step(sample)
+        columns, steps = controller.recorded_columns, controller.recorded_steps
+        self.assertEqual(steps.shape, (30, len(columns)))
+        motors = [i for i, name in enumerate(columns) if name.startswith("command_counts.")]
+        self.assertTrue(np.array_equal(steps[:-1, motors], commands[-29:]))
+        self.assertTrue(np.array_equal(steps[-1, motors], last))
+        csv = controller.recorded_csv().splitlines()
+        self.assertEqual(len(csv), 31)
+        self.assertIn("missing", csv[-1])
+        controller.record(0)
+        self.assertEqual(controller.recorded_csv().strip(), "")
+
+    def test_reports_late_steps_and_a_loop_of_another_rate(self):
+        controller = gauntlet.Controller(self.robot)
+        controller.step(elapsed_ms=1.0)
+        self.assertEqual(controller.loop_status, "in_time")
+        controller.step(self.counts[0], elapsed_ms=2.5)
+        self.assertEqual((controller.loop_status, controller.overruns), ("overrun", 1))
+        for _ in range(254):
+            controller.step(elapsed_ms=2.0)
+        self.assertEqual(controller.loop_status, "wrong_rate")
+        self.assertAlmostEqual(controller.measured_tick_rate_hz, 500.0, delta=2.0)
+
+    def test_lists_the_problems_of_a_robot(self):
+        self.assertEqual(gauntlet.check_robot(self.robot), [])
+        lines = self.robot.read_text().split("\n")
+        pose = next(i for i, line in enumerate(lines) if line.startswith("    index_pip: {low_counts"))
+        lines[pose] = lines[pose].split("high_angle_rad")[0] + "high_angle_rad: 6}"
+        problems = gauntlet.check_robot("\n".join(lines))
+        self.assertEqual(len(problems), 1)
+        self.assertRegex(problems[0], f"^controller:{pose + 1}:.*warning: glove.channels.index_pip.high_angle_rad: is 6")
+
     def test_cannot_be_copied(self):
         controller = gauntlet.Controller(self.robot)
         for copied in (copy.copy, copy.deepcopy):
