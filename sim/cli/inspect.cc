@@ -109,7 +109,6 @@ void PrintTopics(const Inspection& inspection) {
   Print("stamps  {}\n", taken->has_stamps
                             ? "times in the headers of the messages"
                             : "times of the recorder; not every message has one of its own");
-  if (taken->is_cut) Print("cut     the file has no end; its whole messages are read\n");
   if (inspection.topics.size() < 2) return;
   Print("\n{}", TextOf(TopicsTable(inspection.topics), StyleOf({})));
 }

@@ -68,16 +68,11 @@ void CsvReader::UseTable(const Table& table) {
 bool CsvReader::NextRowOfTable() {
   if (rows_read_ == table_->rows) return false;
   row_ = first_row_line_ + rows_read_++;
-  if (IsCutRow()) {
-    Problem(RecordingProblem::kTruncatedRow, 1,
-            fmt::format("the row has 1 of {} values", column_count_));
-  }
   return true;
 }
 
 std::string CsvReader::TableCell(std::size_t column) const {
   const TableColumn& is = table_->columns[column];
-  if (column > 0 && IsCutRow()) return "";
   return is.texts.empty() ? fmt::format("{}", is.numbers[rows_read_ - 1])
                           : is.texts[rows_read_ - 1];
 }
@@ -85,7 +80,7 @@ std::string CsvReader::TableCell(std::size_t column) const {
 double CsvReader::TableNumber(std::size_t column) {
   const TableColumn& is = table_->columns[column];
   const Meaning meaning = meanings_[column];
-  if (meaning == Meaning::kIgnored || (column > 0 && IsCutRow())) return kMissing;
+  if (meaning == Meaning::kIgnored) return kMissing;
   if (meaning == Meaning::kText) return TextNumber(TableCell(column));
   if (meaning == Meaning::kKept) return is_kept_(TableCell(column)) ? 1.0 : 0.0;
   if (!is.texts.empty()) return Number(is.texts[rows_read_ - 1], column + 1);
@@ -105,6 +100,15 @@ void CsvReader::FailInRow(std::size_t row, std::size_t column, const std::string
 void CsvReader::Problem(RecordingProblem problem, std::size_t column, const std::string& message) {
   if (!GoesOn(handling_)) Fail(column, message);
   if (listener_) listener_(problem, row_);
+}
+
+std::vector<std::string> CsvReader::remarks() const {
+  if (!table_) return {};
+  std::vector<std::string> remarks = table_->remarks;
+  if (table_->is_cut) {
+    remarks.emplace_back("the file has no end; what is whole is read");
+  }
+  return remarks;
 }
 
 double CsvReader::share_read() const {
@@ -364,12 +368,23 @@ Table TableOfText(CsvReader reader) {
 
 Table TableOfText(CsvReader reader, std::optional<std::int64_t> rows, bool has_last_line_end) {
   Table table = TableOfText(std::move(reader));
+  table.is_cut = rows > static_cast<std::int64_t>(table.rows) && !has_last_line_end;
+  if (table.is_cut && table.rows > 0) {
+    // Its last number may lack digits.
+    --table.rows;
+    for (TableColumn& column : table.columns) {
+      if (column.texts.empty()) {
+        column.numbers.pop_back();
+      } else {
+        column.texts.pop_back();
+      }
+    }
+  }
   const auto found = static_cast<std::int64_t>(table.rows);
   if (rows && *rows != found) {
     table.remarks.push_back(
         fmt::format("the header says {} rows, the file has {}, which are read", *rows, found));
   }
-  table.is_cut = rows > found && !has_last_line_end;
   return table;
 }
 

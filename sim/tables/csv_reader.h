@@ -87,10 +87,8 @@ class CsvReader {
   /// Line of the first row of data.
   std::size_t first_row() const { return first_row_line_; }
   const std::string& name() const { return name_; }
-  /// Remarks of the Table.
-  std::vector<std::string> remarks() const {
-    return table_ ? table_->remarks : std::vector<std::string>();
-  }
+  /// Remarks of the Table; one of them if it is cut.
+  std::vector<std::string> remarks() const;
   /// Unit of the angles in the Table.
   std::string angle_unit() const { return table_ ? table_->angle_unit : ""; }
 
@@ -107,7 +105,6 @@ class CsvReader {
  private:
   void UseTable(const Table& table);
   bool NextRowOfTable();
-  bool IsCutRow() const { return table_->is_cut && rows_read_ == table_->rows; }
   double TableNumber(std::size_t column);
   std::string TableCell(std::size_t column) const;
   bool NextLine(std::string_view& line);
@@ -140,7 +137,7 @@ class CsvReader {
 /// The table of all rows of a text. A column has texts if one of its cells is no number.
 Table TableOfText(CsvReader reader);
 /// TableOfText() where the header of the text gives the number of rows. Another number is a remark.
-/// The last row is incomplete if rows are missing and its line has no end.
+/// Without rows, the last line without an end is cut: it is left out.
 Table TableOfText(CsvReader reader, std::optional<std::int64_t> rows, bool has_last_line_end);
 
 /// A source that reads a file. Throws UserError if it cannot be opened.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <lz4frame.h>
 #include <unistd.h>
-#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -18,6 +17,7 @@
 #include "sim/base/input_file.h"
 #include "sim/base/text.h"
 #include "sim/tables/byte_reader.h"
+#include "sim/tables/checksum.h"
 #include "sim/tables/damaged_file.h"
 #include "sim/tables/mcap_format.h"
 
@@ -29,11 +29,6 @@ using enum McapOpcode;
 constexpr std::uint64_t kMostRecordBytes = std::uint64_t{1} << 28;
 
 std::string_view TakeText(ByteReader& bytes) { return bytes.Take(bytes.Little<std::uint32_t>()); }
-
-std::uint32_t CrcOf(std::string_view bytes, std::uint32_t before = 0) {
-  return static_cast<std::uint32_t>(
-      crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
 
 /// Parts of a file through a window that moves forward.
 class FileWindow {
@@ -149,7 +144,7 @@ std::string_view RecordsOf(const Chunk& chunk, std::string& room) {
     records = room;
   }
   if (records.size() != size) FailAsDamaged("a chunk has another size than it says");
-  if (chunk.crc != 0 && CrcOf(records) != chunk.crc) {
+  if (chunk.crc != 0 && Crc32Of(records) != chunk.crc) {
     FailAsDamaged("a chunk does not have its checksum");
   }
   return records;
@@ -309,7 +304,7 @@ class McapFile : public MessageFile {
     constexpr std::uint64_t kBlock = std::uint64_t{1} << 18;
     std::uint32_t found = 0;
     for (std::uint64_t at = 0; at < end; at += kBlock) {
-      found = CrcOf(file_.At(at, std::min(kBlock, end - at)), found);
+      found = Crc32Of(file_.At(at, std::min(kBlock, end - at)), found);
     }
     if (found != crc) FailAsDamaged("it does not have its checksum");
   }
@@ -367,7 +362,8 @@ class McapFile : public MessageFile {
     }
     // From the summary up to the checksum in the footer.
     const std::string summary(file_.At(begin, file_.size() - kMcapMagic.size() - 4 - begin));
-    if (crc != 0 && CrcOf(summary) != crc) FailAsDamaged("its summary does not have its checksum");
+    if (crc != 0 && Crc32Of(summary) != crc)
+      FailAsDamaged("its summary does not have its checksum");
     return ReadSummaryRecords(std::string_view(summary).substr(0, footer_at - begin)) &&
            FindTimes();
   }

@@ -1,6 +1,5 @@
 #include "sim/tables/mcap_writer.h"
 
-#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 
 #include "controller/assert.h"
 #include "sim/base/error.h"
+#include "sim/tables/checksum.h"
 #include "sim/tables/mcap_format.h"
 
 namespace gauntlet::sim {
@@ -29,11 +29,6 @@ std::string McapText(std::string_view text) {
 
 std::string Record(McapOpcode opcode, std::string_view content) {
   return static_cast<char>(opcode) + Little(std::uint64_t{content.size()}) + std::string(content);
-}
-
-std::uint32_t ChecksumOf(std::string_view bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 std::string EntriesOf(const std::map<std::uint16_t, std::uint64_t>& numbers) {
@@ -117,7 +112,7 @@ void McapWriter::Finish() {
   // The checksum is that of all bytes from the summary up to itself.
   summary += static_cast<char>(McapOpcode::kFooter) + Little(kMcapFooterBytes) +
              Little(summary_at) + Little(std::uint64_t{0});
-  Put(summary + Little(ChecksumOf(summary)));
+  Put(summary + Little(Crc32Of(summary)));
   Put(kMcapMagic);
 }
 
@@ -138,7 +133,7 @@ void McapWriter::FinishChunk() {
   place_.size = chunk_.size();
   place_.compressed_size = size;
   Put(Record(McapOpcode::kChunk, Little(place_.first_ns) + Little(place_.last_ns) +
-                                     Little(place_.size) + Little(ChecksumOf(chunk_)) +
+                                     Little(place_.size) + Little(Crc32Of(chunk_)) +
                                      McapText("zstd") + Little(place_.compressed_size) + stored));
   place_.length = written_ - place_.offset;
   for (const auto& [channel, entries] : index_) {

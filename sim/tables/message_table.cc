@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -209,9 +208,7 @@ void WriteTopicTable(MessageFile& file, std::string_view chosen, PipeWriter& pip
   names.insert(names.begin(), "time_s");
   TableWriter table(pipe, names, facts.remarks, file.topics()[topic].messages);
   std::vector<double> row;
-  std::array<std::int64_t, 2> last_ns = {};  // of the last two rows
   const auto write = [&](std::int64_t ns, std::span<const double> values_of_row) {
-    last_ns = {last_ns[1], ns};
     row.assign(1, SecondsOf(ns));
     row.insert(row.end(), values_of_row.begin(), values_of_row.end());
     table.Rows(row);
@@ -234,14 +231,6 @@ void WriteTopicTable(MessageFile& file, std::string_view chosen, PipeWriter& pip
   const std::size_t columns = facts.columns.size();
   for (const std::size_t i : order) {
     write(times_ns[i], std::span(values).subspan(i * columns, columns));
-  }
-  if (file.is_cut()) {
-    // A step behind the last row, as far as a time can be.
-    constexpr double kMost = 9e18;
-    const double next = 2.0 * static_cast<double>(last_ns[1]) - static_cast<double>(last_ns[0]);
-    row.assign(names.size(), kMissing);
-    row.front() = SecondsOf(static_cast<std::int64_t>(std::clamp(next, -kMost, kMost)));
-    table.Rows(row);
   }
   table.Finish(file.is_cut());
 }

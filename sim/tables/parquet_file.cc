@@ -14,6 +14,8 @@
 #include <string>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
+#include "sim/tables/checksum.h"
 #include "sim/tables/damaged_file.h"
 #include "sim/tables/half_number.h"
 #include "sim/tables/thrift_value.h"
@@ -321,6 +323,13 @@ class ColumnReader {
     const std::int64_t stored = header.NumberOr(3, -1);
     if (size < 0 || size > kMostPageBytes || stored < 0) FailAsDamaged("a page has no size");
     const std::string_view body = pages.Take(static_cast<std::size_t>(stored));
+    ++page_;
+    // The sum is over the bytes as they are stored, without the header, in pages of all kinds.
+    constexpr std::int64_t kSum = 4;
+    if (header.Has(kSum) && Crc32Of(body) != static_cast<std::uint32_t>(header[kSum].number)) {
+      FailAsDamaged(
+          fmt::format("page {} of {} does not have its checksum", page_, OneLine(leaf_.name, 60)));
+    }
     const std::int64_t type = header.NumberOr(1, -1);
     if (type == kDictionaryPage) {
       const std::string text = Decompressed(body, codec_, static_cast<std::size_t>(size));
@@ -461,6 +470,7 @@ class ColumnReader {
   const Leaf& leaf_;
   std::int64_t codec_ = 0;
   std::int64_t left_ = 0;  // values of the row group that are not read
+  int page_ = 0;           // from 1, of all row groups
   std::vector<double> dictionary_;
   std::vector<double> values_;         // of lists one after the other
   std::vector<std::size_t> lengths_;   // of the list in each row

@@ -172,9 +172,7 @@ TEST_F(BagTest, ThatIsCutHasItsWholeMessages) {
   EXPECT_GT(messages, 20);
   EXPECT_LT(messages, 40);
   EXPECT_TRUE(topics[0].is_cut);
-  Columns columns = TableOfTopic(half, "/joint_states");
-  columns["time_s"].pop_back();  // the row that is cut has only a time
-  ExpectJointStates(columns, messages);
+  ExpectJointStates(TableOfTopic(half, "/joint_states"), messages);
 }
 
 // Every byte of a file, changed in several ways, and every length of it.
@@ -202,11 +200,14 @@ TEST(Mcap, ThatIsDamagedIsReadOrRefused) {
       // Chunks, the data and the summary have checksums, so no value is wrong.
       if (!found.empty() && found != table) ++changed;
       const std::string cut = read(whole.substr(0, i));
-      if (!cut.empty()) {
-        // Perhaps with fewer columns: those of the messages that are whole.
-        const std::size_t rows = cut.rfind('\n', cut.size() - 2) + 1;
-        const bool is_whole = cut == table;
-        EXPECT_TRUE(is_whole || std::ranges::count(cut.substr(rows), ',') == 0) << i;
+      if (cut.empty()) continue;
+      // Perhaps with fewer columns: those of the messages that are whole.
+      for (std::string_view left = cut, all = table; left != all && !left.empty();) {
+        const std::string_view row = left.substr(0, left.find('\n'));
+        if (!left.starts_with("time_s") && !left.starts_with('#')) {
+          EXPECT_TRUE(table.find("\n" + std::string(row)) != std::string::npos) << i;
+        }
+        left.remove_prefix(row.size() + 1);
       }
     }
     EXPECT_EQ(changed, 0);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -16,6 +17,7 @@
 
 #include "sim/base/error.h"
 #include "sim/recordings/table_source.h"
+#include "sim/tables/checksum.h"
 #include "sim/tables/parquet_file.h"
 #include "sim/tables/source_bytes.h"
 #include "tests/support/program.h"
@@ -139,33 +141,75 @@ struct V1Column {
   std::int64_t encoding = 8;  // RLE_DICTIONARY
   std::string levels;
   std::string values;
-  std::string dictionary;  // of doubles
-  std::int64_t count = 0;  // levels in the page
+  std::string dictionary;     // of doubles
+  std::int64_t count = 0;     // levels in the page
+  bool is_v2 = false;         // pages of version 2: levels have no length
+  bool is_stored = false;     // version 2: without the codec
+  bool has_sums = false;      // of pages
+  std::size_t lost = 0;       // bytes at the end of the data page as it is stored
+  std::string repeated = {};  // levels of version 2
+  std::string defined = {};
 };
+
+/// Field 4 of a page's header behind field 3, and the distance of the field behind it.
+std::string Sum(const V1Column& column, const std::string& stored) {
+  return column.has_sums ? Number(1, static_cast<std::int32_t>(Crc32Of(stored))) : "";
+}
+
+std::string Packed(std::int64_t codec, const std::string& body) {
+  constexpr std::int64_t kGzip = 2, kZstd = 6;
+  std::string bytes(2 * body.size() + 128, '\0');
+  if (codec == kZstd) {
+    bytes.resize(ZSTD_compress(bytes.data(), bytes.size(), body.data(), body.size(), 3));
+  } else if (codec == kGzip) {
+    z_stream stream = {};
+    EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(body.data()));
+    stream.avail_in = static_cast<uInt>(body.size());
+    stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
+    stream.avail_out = static_cast<uInt>(bytes.size());
+    EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+    bytes.resize(stream.total_out);
+    deflateEnd(&stream);
+  } else {
+    return body;
+  }
+  return bytes;
+}
 
 /// A file with one column of this schema.
 std::string V1File(const V1Column& column, std::int64_t rows, std::vector<std::string> schema,
                    std::int64_t type) {
-  const auto packed = [&](const std::string& body) {
-    if (column.codec != 6) return body;
-    std::string bytes(ZSTD_compressBound(body.size()), '\0');
-    bytes.resize(ZSTD_compress(bytes.data(), bytes.size(), body.data(), body.size(), 3));
-    return bytes;
-  };
   std::string file = "PAR1";
   std::string pages;
   if (!column.dictionary.empty()) {
-    const std::string body = packed(column.dictionary);
+    const std::string body = Packed(column.codec, column.dictionary);
     pages += Number(1, 2) + Number(1, std::ssize(column.dictionary)) + Number(1, std::ssize(body)) +
-             Group(4, Number(1, std::ssize(column.dictionary) / 8) + Number(1, 0)) + '\0' + body;
+             Sum(column, body) +
+             Group(column.has_sums ? 3 : 4,
+                   Number(1, std::ssize(column.dictionary) / 8) + Number(1, 0)) +
+             '\0' + body;
   }
   const std::int64_t data_at = std::ssize(file + pages);
-  const std::string whole = column.levels + column.values;
-  const std::string body = packed(whole);
-  pages +=
-      Number(1, 0) + Number(1, std::ssize(whole)) + Number(1, std::ssize(body)) +
-      Group(2, Number(1, column.count) + Number(1, column.encoding) + Number(1, 3) + Number(1, 3)) +
-      '\0' + body;
+  const std::int64_t codec = column.is_stored ? 0 : column.codec;
+  const std::string levels = column.is_v2 ? column.repeated + column.defined : column.levels;
+  const std::string whole = levels + column.values;
+  std::string body = column.is_v2 ? levels + Packed(codec, column.values) : Packed(codec, whole);
+  body.resize(body.size() - column.lost);
+  pages += Number(1, column.is_v2 ? 3 : 0) + Number(1, std::ssize(whole)) +
+           Number(1, std::ssize(body)) + Sum(column, body);
+  const int behind = column.has_sums ? 4 : 3;  // number of the last field
+  if (column.is_v2) {
+    const std::string stored = column.is_stored ? std::string{0x12} : "";  // field 7, false
+    pages +=
+        Group(8 - behind, Number(1, column.count) + Number(1, 0) + Number(1, rows) +
+                              Number(1, column.encoding) + Number(1, std::ssize(column.defined)) +
+                              Number(1, std::ssize(column.repeated)) + stored);
+  } else {
+    pages += Group(5 - behind, Number(1, column.count) + Number(1, column.encoding) + Number(1, 3) +
+                                   Number(1, 3));
+  }
+  pages += '\0' + body;
   file += pages;
   schema.insert(schema.begin(), Text(4, "root") + Number(1, 1));
   std::string meta =
@@ -211,6 +255,96 @@ TEST(Parquet, ListsOfVersionOneHaveNullsAndADictionary) {
   }
 }
 
+/// Lists() in pages of version 2.
+V1Column NewerLists() {
+  V1Column column = Lists();
+  column.is_v2 = true;
+  column.repeated = column.levels.substr(4, 2);
+  column.defined = column.levels.substr(10);
+  return column;
+}
+
+TEST(Parquet, PagesOfBothVersionsHaveTheSameValuesInEveryCodec) {
+  const std::vector<double> expected = ReadParquet(V1File(Lists(), 4, true))[0].values;
+  for (V1Column column : {Lists(), NewerLists()}) {
+    for (const std::int64_t codec : {0, 2, 6}) {
+      for (const bool is_stored : {false, true}) {
+        column.codec = codec;
+        column.is_stored = column.is_v2 && is_stored;
+        const std::vector<double> found = ReadParquet(V1File(column, 4, true))[0].values;
+        EXPECT_TRUE(std::ranges::equal(found, expected, [](double a, double b) {
+          return a == b || (std::isnan(a) && std::isnan(b));
+        })) << codec;
+      }
+    }
+  }
+}
+
+std::string ErrorIn(const std::string& bytes) {
+  try {
+    ReadParquet(bytes);
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// A bit of any page: of the dictionary, which is page 1, or of the values.
+TEST(Parquet, ThatHasChecksumsIsRefusedWhereAPageChanged) {
+  for (V1Column column : {Lists(), NewerLists()}) {
+    for (const std::int64_t codec : {0, 2, 6}) {
+      SCOPED_TRACE(codec);
+      column.codec = codec;
+      column.has_sums = true;
+      const std::string whole = V1File(column, 4, true);
+      ASSERT_EQ(ErrorIn(whole), "");
+      const std::string dictionary = Packed(codec, column.dictionary);
+      const std::string values =
+          Packed(codec, column.is_v2 ? column.values : column.levels + column.values);
+      int page = 0;
+      for (const std::string& body : {dictionary, values}) {
+        ++page;
+        const std::size_t at = whole.find(body);
+        ASSERT_NE(at, std::string::npos);
+        for (std::size_t i = 0; i < body.size(); ++i) {
+          std::string damaged = whole;
+          damaged[at + i] = static_cast<char>(damaged[at + i] ^ 1);
+          EXPECT_THAT(
+              ErrorIn(damaged),
+              HasSubstr(fmt::format("is damaged: page {} of f does not have its checksum", page)));
+        }
+      }
+      if (!column.is_v2) continue;
+      std::string damaged = whole;
+      char& level = damaged[damaged.find(column.repeated + column.defined)];
+      level = static_cast<char>(level ^ 1);
+      EXPECT_THAT(ErrorIn(damaged), HasSubstr("does not have its checksum"));
+    }
+  }
+}
+
+// What is missing of a page is damage, and no zeros.
+TEST(Parquet, OfAPageThatIsNotWholeNothingIsRead) {
+  for (const bool is_v2 : {false, true}) {
+    V1Column column = {.encoding = 0, .levels = "", .values = "", .dictionary = "", .count = 500};
+    column.is_v2 = is_v2;
+    for (int k = 0; k < 500; ++k) column.values += Little(std::sin(0.1 * k));
+    for (const std::int64_t codec : {2, 6}) {
+      column.codec = codec;
+      const std::string leaf = Number(1, 5) + Number(2, 0) + Text(1, "f");
+      column.lost = 0;
+      EXPECT_EQ(ErrorIn(V1File(column, 500, {leaf}, 5)), "");
+      // From the last bytes, which are gzip's own checksum and size, to half of the page.
+      const std::size_t half = Packed(codec, column.values).size() / 2;
+      for (column.lost = 1; column.lost < half; column.lost += column.lost < 12 ? 1 : 97) {
+        EXPECT_THAT(ErrorIn(V1File(column, 500, {leaf}, 5)),
+                    HasSubstr("is damaged: a page is not whole"))
+            << column.lost;
+      }
+    }
+  }
+}
+
 TEST(Parquet, PlainValuesOfVersionOneHaveRunsOfLevels) {
   // 300 values of which the last 100 are null: definition 1 x 200, 0 x 100.
   std::string values;
@@ -224,15 +358,6 @@ TEST(Parquet, PlainValuesOfVersionOneHaveRunsOfLevels) {
   ASSERT_EQ(arrays.size(), 1U);
   EXPECT_EQ(arrays[0].values[199], 49.75);
   EXPECT_TRUE(std::isnan(arrays[0].values[200]));
-}
-
-std::string ErrorIn(const std::string& bytes) {
-  try {
-    ReadParquet(bytes);
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 /// Rows of two lists each, of doubles from 0; `repeated`: packed levels of the second row.

@@ -81,18 +81,39 @@ TEST(FindTable, OfATableHasItsFirstRowsAsTextAndGivesThemAgain) {
   EXPECT_THAT(cells, ElementsAre("00:00:01", "0.1", "left"));
 }
 
-TEST(CsvReader, OfATableThatIsCutReportsItsLastRow) {
-  Table table{.columns = {}, .rows = 2, .is_cut = true, .remarks = {}};
+TEST(CsvReader, OfATableThatIsCutHasItsRowsAndARemark) {
+  Table table{.columns = {}, .rows = 2, .is_cut = true, .remarks = {"left out: b"}};
   table.columns.push_back({.name = "t", .numbers = {0.0, 1.0}});
   table.columns.push_back({.name = "a", .numbers = {5.0, 6.0}});
-  std::vector<RecordingProblem> problems;
-  CsvReader reader("in", std::make_shared<const Table>(table), ProblemHandling::kRepair,
-                   [&](RecordingProblem problem, std::size_t) { problems.push_back(problem); });
+  CsvReader reader("in", std::make_shared<const Table>(table), ProblemHandling::kStrict);
+  EXPECT_THAT(reader.remarks(),
+              ElementsAre("left out: b", "the file has no end; what is whole is read"));
   std::vector<double> row(2);
-  ASSERT_TRUE(reader.NextRow(row) && problems.empty());
   ASSERT_TRUE(reader.NextRow(row));
-  EXPECT_THAT(row, ElementsAre(1.0, IsNan()));
-  EXPECT_THAT(problems, ElementsAre(RecordingProblem::kTruncatedRow));
+  ASSERT_TRUE(reader.NextRow(row));
+  EXPECT_THAT(row, ElementsAre(1.0, 6.0));
+  EXPECT_FALSE(reader.NextRow(row));
+  table.is_cut = false;
+  EXPECT_THAT(
+      CsvReader("in", std::make_shared<const Table>(table), ProblemHandling::kStrict).remarks(),
+      ElementsAre("left out: b"));
+}
+
+// The digits that are there may not be all of a number.
+TEST(TableOfText, LeavesOutALastRowThatIsCut) {
+  const std::string text = "t\ta\n0\t1.5\n1\t2.5\n2\t3";
+  const auto read = [&](std::optional<std::int64_t> rows, bool has_end) {
+    return TableOfText({"in", TextSource(text), ProblemHandling::kRepair}, rows, has_end);
+  };
+  const Table cut = read(9, false);
+  EXPECT_TRUE(cut.is_cut);
+  EXPECT_EQ(cut.rows, 2U);
+  EXPECT_THAT(cut.columns[1].numbers, ElementsAre(1.5, 2.5));
+  EXPECT_THAT(cut.remarks, ElementsAre("the header says 9 rows, the file has 2, which are read"));
+  for (const auto& whole : {read(3, false), read(std::nullopt, false), read(9, true)}) {
+    EXPECT_FALSE(whole.is_cut);
+    EXPECT_THAT(whole.columns[1].numbers, ElementsAre(1.5, 2.5, 3.0));
+  }
 }
 
 /// Columns of many blocks, and of one value more.

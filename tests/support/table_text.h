@@ -28,9 +28,7 @@ inline std::string TextOf(const sim::TableInput& input) {
   std::string text = fmt::format("{}\n", fmt::join((*table)->names(), ","));
   for (std::size_t row = 0; row < (*table)->rows; ++row) {
     const char* comma = "";
-    const bool is_cut = (*table)->is_cut && row + 1 == (*table)->rows;
     for (const sim::TableColumn& column : (*table)->columns) {
-      if (is_cut && *comma != '\0') break;
       text += comma;
       text +=
           column.texts.empty() ? fmt::format("{}", column.numbers.at(row)) : column.texts.at(row);

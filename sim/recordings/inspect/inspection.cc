@@ -665,6 +665,9 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
     inspection.question = QuestionOf(inspection.topics);
     return inspection;
   }
+  if (const auto* table = std::get_if<std::shared_ptr<const Table>>(&*opened.table)) {
+    inspection.is_cut = (*table)->is_cut;
+  }
   const auto is_whole = std::make_shared<bool>(true);
   auto [layout, reader] =
       FindTable(file.string(), BeginningOf(*opened.table, is_whole), ProblemHandling::kRepair,

@@ -64,6 +64,7 @@ struct Inspection {
                                     // but the question
   std::uintmax_t file_bytes = 0;
   bool is_whole = true;  // false: only the beginning of a large file was read
+  bool is_cut = false;   // the file ends before its end; what is whole was read
   TableLayout layout;
   std::size_t rows = 0;
   std::map<std::string, std::size_t> problems;  // number of rows by problem, see NameOf()
