@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <filesystem>
@@ -344,6 +345,46 @@ TEST_F(StartScript, APackageThatAptOffersInNoUsableVersionIsNamedAndNothingInsta
   }
   Offered({});
   EXPECT_THAT(Start().standard_error, HasSubstr("ubuntu 24.04 has no package cmake, and "));
+}
+
+TEST_F(StartScript, AnInstallationThatFailsHasItsReasonInOneSentence) {
+  struct Case {
+    std::string says;  // apt-get, before its end
+    std::string ends;
+    std::string sentence;
+  };
+  const std::string more = " (more in " + root_.string() + "/build/packages.log)";
+  const std::vector<Case> cases = {
+      {"dpkg: error processing archive /var/cache/apt/archives/cmake_3.25.deb (--unpack):\n"
+       " cannot copy extracted data: failed to write (No space left on device)\n"
+       "dpkg: error while cleaning up:\n second\n"
+       "E: Sub-process /usr/bin/dpkg returned an error code (1)\n",
+       "exit 100",
+       "could not install them: dpkg: error processing archive "
+       "/var/cache/apt/archives/cmake_3.25.deb (--unpack): cannot copy extracted data: failed to "
+       "write (No space left on device)" +
+           more},
+      {"dpkg: error: dpkg frontend lock is locked by another process\nE: Sub-process\n", "exit 100",
+       "could not install them: dpkg: error: dpkg frontend lock is locked by another process" +
+           more},
+      {"E: Unable to locate package cmake\n", "exit 100",
+       "could not install them: Unable to locate package cmake" + more},
+      {"E: Failed to fetch http://x/cmake.deb  No network\nE: Unable to fetch some archives\n",
+       "exit 100", "could not install them: Failed to fetch http://x/cmake.deb  No network" + more},
+      {"", "exit 7", "could not install them: it ended with exit code 7" + more},
+      {"Unpacking cmake\n", "kill -KILL $$",
+       "was ended by the signal KILL; the same command goes on with what is missing"},
+  };
+  for (const auto& [says, ends, sentence] : cases) {
+    Installed({});
+    Offered(Packages());
+    WriteTool(tools_ / "apt-get", "#!/bin/sh\ncase \"$*\" in *\\ install\\ *)\ncat <<'E'\n" + says +
+                                      "E\n" + ends + ";;\nesac\n");
+    const ProgramResult result = Start();
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.standard_error, testing::EndsWith("\ngauntlet: apt-get " + sentence + "\n"));
+    EXPECT_EQ(std::ranges::count(result.standard_error, '\n'), 2) << result.standard_error;
+  }
 }
 
 TEST_F(StartScript, AnInstalledPackageThatIsTooOldIsNamed) {
