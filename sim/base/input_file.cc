@@ -90,13 +90,18 @@ fs::path InputRoot() {
   return TheInputs().root;
 }
 
-void RefuseOutside(const fs::path& path) {
+bool IsOutside(const fs::path& path) {
   const fs::path root = InputRoot();
-  if (root.empty()) return;
+  if (root.empty()) return false;
   std::error_code unreadable;
   const fs::path real = fs::weakly_canonical(fs::absolute(path, unreadable), unreadable);
-  if (!unreadable && (IsBelow(real, root) || !DataName(real).empty())) return;
-  throw UserError({.place = path.string(), .problem = "lies outside --inside " + root.string()});
+  return unreadable || !(IsBelow(real, root) || !DataName(real).empty());
+}
+
+void RefuseOutside(const fs::path& path) {
+  if (!IsOutside(path)) return;
+  throw UserError(
+      {.place = path.string(), .problem = "lies outside --inside " + InputRoot().string()});
 }
 
 bool IsInput(const fs::path& path) {

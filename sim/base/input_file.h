@@ -16,7 +16,10 @@ const std::filesystem::path& InputFile(const std::filesystem::path& file);
 void ReadOnlyInside(const std::filesystem::path& folder);
 /// The folder of ReadOnlyInside(); empty without a limit.
 std::filesystem::path InputRoot();
-/// Errors: UserError for a path outside InputRoot(), also if no file is there.
+/// True for a path outside InputRoot(), links resolved, also if no file is there. What Gauntlet
+/// looks for by itself is then as if it were not there.
+bool IsOutside(const std::filesystem::path& path);
+/// Errors: UserError for one that IsOutside().
 void RefuseOutside(const std::filesystem::path& path);
 
 /// True if the file at `path`, links followed, was read as an input.

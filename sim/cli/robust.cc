@@ -56,10 +56,10 @@ void RunRobustCommand(const RobustCommand& command) {
   if (command.cells.allow_programs) AllowPrograms();
   RobustOptions options = command.robust;
   options.within_percent = command.within_percent;
-  const RobustPlan plan = MakeRobustPlan(
-      {.file = command.scenario, .text = ReadYamlText(command.scenario), .overrides = command.set},
-      options);
-  CheckProgramsOf(plan.sweep.scenario, plan.sweep.file.controllers);
+  const ScenarioSource source{
+      .file = command.scenario, .text = ReadYamlText(command.scenario), .overrides = command.set};
+  const RobustPlan plan = MakeRobustPlan(source, options);
+  CheckProgramsOf(source, options.controllers);  // not of the plan, whose text is another
   CellsFolder folder(plan.sweep, command.cells, "out/" + plan.sweep.file.name + ".robust",
                      {.folder = {},
                       .command = "robust",

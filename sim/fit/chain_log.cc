@@ -152,6 +152,13 @@ double ValueAt(std::span<const double> values, double row) {
                    std::clamp(row - static_cast<double>(before), 0.0, 1.0));
 }
 
+std::string FileNameOf(const ChainLog& log) {
+  std::filesystem::path file = log.name;
+  if (!file.has_filename()) file = file.parent_path();  // a folder with a slash behind it
+  const bool is_trace = file.filename() == "trace.h5";
+  return (is_trace ? file.parent_path().filename() / file.filename() : file.filename()).string();
+}
+
 std::string RemarksOf(const ChainLog& log, const ChainFit& fit) {
   std::string text;
   for (const std::string& remark : fit.remarks) text += (text.empty() ? "" : "; ") + remark;

@@ -64,6 +64,9 @@ double ValueAt(std::span<const double> values, double row);
 /// if there is no common one. None if no clock is found.
 std::vector<std::optional<CommandClock>> FramesOf(const ChainLog& log);
 
+/// Name of the log's file for results, without the folders above; of a trace with its own folder.
+std::string FileNameOf(const ChainLog& log);
+
 /// The remarks on a part in one text, in the unit of the log; empty if there are none.
 std::string RemarksOf(const ChainLog& log, const ChainFit& fit);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/fit/chain_log.h"
 #include "sim/fit/identified_servo.h"
 #include "sim/settings/yaml_writer.h"
 
@@ -91,7 +92,7 @@ std::string ChainYaml(const ChainResult& result, IdentifiedChain chain) {
 
 IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<ChainFit>& fits) {
   IdentifiedChain chain;
-  chain.log = log.name;
+  chain.log = FileNameOf(log);
   for (std::size_t i = 0; i < fits.size(); ++i) {
     chain.parts.push_back(PartOf(log, fits[i], log.parts[i]));
   }

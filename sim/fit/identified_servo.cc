@@ -9,6 +9,7 @@
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/signal.h"
+#include "sim/fit/chain_log.h"
 #include "sim/fit/fit_tables.h"
 
 namespace gauntlet::sim {
@@ -192,7 +193,7 @@ std::string ServoSettingsText(const ChainLog& log, const HandModel& hand,
       "# a scenario. The hand has one servo for all its motors; values are for the median of the\n"
       "# parts, {}.\n"
       "hand:\n  servo:\n    kind: ideal\n",
-      log.name,
+      FileNameOf(log),
       trial ? "found by trials of the simulated hand with the log's commands; friction is each "
               "motor's own"
             : "not tried: the simulated hand has no such joints, or cannot be built so");

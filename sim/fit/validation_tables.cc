@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sim/base/json.h"
+#include "sim/fit/chain_log.h"
 #include "sim/fit/chain_tables.h"
 #include "sim/fit/fit_tables.h"
 #include "sim/fit/validation.h"
@@ -145,9 +146,9 @@ ResultTable ValidationTable(const Validation& validation) {
 
 ResultText ValidationText(const Validation& validation) {
   const ChainResult& identified = validation.identified;
-  ResultText text = {fmt::format("{}: {} episodes, {:.1f} s at {:.6g} Hz", identified.log().name,
-                                 identified.episodes.size(), identified.duration_s(),
-                                 identified.log().rate_hz)};
+  ResultText text = {fmt::format("{}: {} episodes, {:.1f} s at {:.6g} Hz",
+                                 FileNameOf(identified.log()), identified.episodes.size(),
+                                 identified.duration_s(), identified.log().rate_hz)};
   AddVerdict(VerdictOf(validation), text);
   text.emplace_back(ValidationTable(validation));
   AddLine(

@@ -224,7 +224,8 @@ std::string ScenarioToYaml(const Scenario& scenario, const std::filesystem::path
 
 std::vector<SettingValue> SettingValues(const Scenario& scenario) {
   std::vector<SettingValue> values;
-  CollectValues("", ParseOwnYaml(ScenarioToYaml(scenario)), values);
+  CollectValues("", ParseOwnYaml(ScenarioToYaml(scenario, std::filesystem::current_path())),
+                values);
   return values;
 }
 

@@ -119,7 +119,8 @@ struct SettingValue {
   std::string value;
 };
 
-/// Every value used, in the order of the file.
+/// Every value used, in the order of the file. Paths as seen from the working folder: pages show
+/// them.
 std::vector<SettingValue> SettingValues(const Scenario& scenario);
 
 }  // namespace gauntlet::sim
