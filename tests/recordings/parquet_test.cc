@@ -177,10 +177,14 @@ std::string Packed(std::int64_t codec, const std::string& body) {
   return bytes;
 }
 
-/// A file with one column of this schema.
-std::string V1File(const V1Column& column, std::int64_t rows, std::vector<std::string> schema,
-                   std::int64_t type) {
-  std::string file = "PAR1";
+/// A column's pages, and its description in a row group.
+struct V1Chunk {
+  std::string pages;
+  std::string meta;
+};
+
+/// `at`: place of the pages in the file.
+V1Chunk ChunkOf(const V1Column& column, std::int64_t rows, std::int64_t type, std::int64_t at) {
   std::string pages;
   if (!column.dictionary.empty()) {
     const std::string body = Packed(column.codec, column.dictionary);
@@ -190,7 +194,7 @@ std::string V1File(const V1Column& column, std::int64_t rows, std::vector<std::s
                    Number(1, std::ssize(column.dictionary) / 8) + Number(1, 0)) +
              '\0' + body;
   }
-  const std::int64_t data_at = std::ssize(file + pages);
+  const std::int64_t data_at = at + std::ssize(pages);
   const std::int64_t codec = column.is_stored ? 0 : column.codec;
   const std::string levels = column.is_v2 ? column.repeated + column.defined : column.levels;
   const std::string whole = levels + column.values;
@@ -210,14 +214,32 @@ std::string V1File(const V1Column& column, std::int64_t rows, std::vector<std::s
                                    Number(1, 3));
   }
   pages += '\0' + body;
-  file += pages;
-  schema.insert(schema.begin(), Text(4, "root") + Number(1, 1));
   std::string meta =
       Number(1, type) + Number(3, column.codec) + Number(1, column.count) + Number(4, data_at);
-  if (!column.dictionary.empty()) meta += Number(2, 4);
-  const std::string description = Number(1, 1) + List(1, schema) + Number(1, rows) +
-                                  List(1, {List(1, {Group(3, meta)})}) + '\0';
+  if (!column.dictionary.empty()) meta += Number(2, at);
+  return {.pages = std::move(pages), .meta = std::move(meta)};
+}
+
+/// A file with one column of this schema, in row groups of as many rows each.
+std::string V1File(const std::vector<V1Column>& groups, std::int64_t rows_of_each,
+                   std::vector<std::string> schema, std::int64_t type) {
+  std::string file = "PAR1";
+  std::vector<std::string> described;
+  for (const V1Column& column : groups) {
+    const V1Chunk chunk = ChunkOf(column, rows_of_each, type, std::ssize(file));
+    file += chunk.pages;
+    described.push_back(List(1, {Group(3, chunk.meta)}));
+  }
+  schema.insert(schema.begin(), Text(4, "root") + Number(1, 1));
+  const std::string description = Number(1, 1) + List(1, schema) +
+                                  Number(1, rows_of_each * std::ssize(groups)) +
+                                  List(1, described) + '\0';
   return file + description + Little(static_cast<std::uint32_t>(description.size())) + "PAR1";
+}
+
+std::string V1File(const V1Column& column, std::int64_t rows, std::vector<std::string> schema,
+                   std::int64_t type) {
+  return V1File(std::vector{column}, rows, std::move(schema), type);
 }
 
 const std::string kListNode = Number(3, 2) + Text(1, "list") + Number(1, 1);
@@ -396,6 +418,53 @@ NamedArray PlainColumn(std::int64_t type, const std::string& leaf, const std::st
   const std::vector<NamedArray> arrays = ReadParquet(V1File(column, 2, {leaf}, type));
   EXPECT_EQ(arrays.size(), 1U);
   return arrays.front();
+}
+
+// Each beside the signed column of the same bytes.
+TEST(Parquet, UnsignedColumnsHaveNoNegativeNumbers) {
+  const std::string whole32 = Little(std::uint32_t{0x8000'0001}) + Little(std::uint32_t{7});
+  const std::string whole64 =
+      Little(std::uint64_t{0x8000'0000'0000'0000}) + Little(std::uint64_t{7});
+  const auto leaf = [](std::int64_t type, const std::string& is) {
+    return Number(1, type) + Number(2, 0) + Text(1, "f") + is;
+  };
+  // converted_type, field 6: UINT_8 to UINT_64 are 11 to 14, INT_8 to INT_64 are 15 to 18.
+  for (const std::int64_t converted : {11, 12, 13}) {
+    EXPECT_THAT(PlainColumn(1, leaf(1, Number(2, converted)), whole32).values,
+                ElementsAre(2147483649.0, 7.0));
+  }
+  EXPECT_THAT(PlainColumn(1, leaf(1, Number(2, 17)), whole32).values,
+              ElementsAre(-2147483647.0, 7.0));
+  EXPECT_THAT(PlainColumn(2, leaf(2, Number(2, 14)), whole64).values,
+              ElementsAre(9223372036854775808.0, 7.0));
+  EXPECT_THAT(PlainColumn(2, leaf(2, Number(2, 18)), whole64).values,
+              ElementsAre(-9223372036854775808.0, 7.0));
+  // logicalType, field 10: an integer is its field 10, whose field 2 is true for a signed one.
+  for (const bool is_signed : {false, true}) {
+    const std::string integer =
+        Group(6, Group(10, std::string{0x13, 32} + (is_signed ? '\x11' : '\x12')));
+    EXPECT_THAT(PlainColumn(1, leaf(1, integer), whole32).values,
+                ElementsAre(is_signed ? -2147483647.0 : 2147483649.0, 7.0));
+  }
+}
+
+// Values are numbers of the dictionary of their own row group.
+TEST(Parquet, EachRowGroupHasItsDictionary) {
+  const auto group = [](double first, double second) {
+    return V1Column{.levels = "",
+                    .values = std::string{1, 3, 0b00000010},  // the first, then the second
+                    .dictionary = Little(first) + Little(second),
+                    .count = 2};
+  };
+  const std::string leaf = Number(1, 5) + Number(2, 0) + Text(1, "f");
+  const std::vector<NamedArray> arrays =
+      ReadParquet(V1File(std::vector{group(1, 2), group(3, 4), group(5, 6)}, 2, {leaf}, 5));
+  EXPECT_THAT(arrays[0].values, ElementsAre(1, 2, 3, 4, 5, 6));
+  // One without a dictionary has none of the group before.
+  V1Column without = group(3, 4);
+  without.dictionary.clear();
+  EXPECT_THAT(ErrorIn(V1File(std::vector{group(1, 2), without}, 2, {leaf}, 5)),
+              HasSubstr("not in its dictionary"));
 }
 
 TEST(Parquet, HalvesDecimalsAndOldTimesAreNumbers) {
