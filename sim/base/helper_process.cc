@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
+#include <ctime>
 #include <exception>
 #include <fstream>
 #include <mutex>
@@ -59,6 +60,14 @@ std::size_t AddressSpaceBytes() {
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+/// Processor time of a child that runs; 0 if the system does not report it.
+double ProcessorTimeOf(pid_t process) {
+  clockid_t clock = 0;
+  timespec time = {};
+  if (clock_getcpuclockid(process, &clock) != 0 || clock_gettime(clock, &time) != 0) return 0.0;
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -165,21 +174,40 @@ void HelperProcess::ThrowEnded() {
   throw HelperEnded(TextOf(*end));
 }
 
-std::size_t HelperProcess::ReadSome(std::span<char> bytes) {
+void HelperProcess::WaitForBytes() {
   // Counts polls instead of reading a clock: a program that was stopped for an hour continues.
   for (int polls = 0; polls < limits_.silence_s * kPollsPerSecond; ++polls) {
     if (keep_going_ && !keep_going_()) throw Cancelled{};
     pollfd waiting = {.fd = pipe_, .events = POLLIN, .revents = 0};
-    if (poll(&waiting, 1, 1000 / kPollsPerSecond) <= 0) continue;
-    const ssize_t size = read(pipe_, bytes.data(), bytes.size());
-    if (size < 0 && errno == EINTR) continue;
-    if (size <= 0) ThrowEnded();
-    return static_cast<std::size_t>(size);
+    if (poll(&waiting, 1, 1000 / kPollsPerSecond) > 0) return;
+    // A large file on a slow disk is read for minutes before the first byte of an answer. What it
+    // may use in all is limited by the size of the file (processor_s).
+    constexpr double kProgress_s = 1e-3;
+    if (const double now_s = ProcessorTimeOf(process_->id()); now_s - processor_s_ > kProgress_s) {
+      processor_s_ = now_s;
+      polls = 0;
+    }
   }
   throw HelperSilent(
       fmt::format("gave nothing for {} s: this machine is too busy, or does not get at "
                   "its files",
                   limits_.silence_s));
+}
+
+std::size_t HelperProcess::ReadSome(std::span<char> bytes) {
+  constexpr std::size_t kReadAhead = std::size_t{1} << 16;  // for many small answers
+  while (given_ == read_ahead_.size()) {
+    WaitForBytes();
+    read_ahead_.resize(kReadAhead);
+    given_ = 0;
+    const ssize_t size = read(pipe_, read_ahead_.data(), read_ahead_.size());
+    const bool is_interrupted = size < 0 && errno == EINTR;
+    read_ahead_.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+    if (size <= 0 && !is_interrupted) ThrowEnded();
+  }
+  const std::size_t size = read_ahead_.copy(bytes.data(), bytes.size(), given_);
+  given_ += size;
+  return size;
 }
 
 void HelperProcess::ReadAll(std::span<char> bytes) {

@@ -9,6 +9,7 @@
 #include <shared_mutex>
 #include <span>
 #include <stdexcept>
+#include <string>
 
 #include "sim/base/child_process.h"
 
@@ -18,7 +19,7 @@ namespace gauntlet::sim {
 struct HelperLimits {
   double processor_s = 10.0;
   std::size_t memory_bytes = std::size_t{512} << 20;  // in addition to the program's own
-  int silence_s = 60;                                 // longest wait for the next bytes
+  int silence_s = 60;  // longest wait for the next bytes while it uses no processor time
 };
 
 /// The helper crashed or exceeded its limits. what() is the end of a sentence: "ended by signal 11
@@ -28,8 +29,8 @@ class HelperEnded : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The helper sent nothing within the longest wait and used little processor time. The file is not
-/// the cause.
+/// The helper sent nothing within the longest wait and used no processor time. The file is not the
+/// cause.
 class HelperSilent : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -85,6 +86,8 @@ class HelperProcess {
   static void WriteFrame(int pipe, Frame frame, std::span<const char> bytes);
   /// Reads the bytes that are in the pipe, at least one, at most the size of `bytes`.
   std::size_t ReadSome(std::span<char> bytes);
+  /// Waits until the pipe has bytes or its end.
+  void WaitForBytes();
   void ReadAll(std::span<char> bytes);
   /// Reads the header of the next frame. False if the work is done.
   bool NextFrame();
@@ -94,6 +97,9 @@ class HelperProcess {
   std::function<bool()> keep_going_;
   int pipe_ = -1;
   std::optional<ChildProcess> process_;
+  std::string read_ahead_;    // bytes of the pipe
+  std::size_t given_ = 0;     // of these
+  double processor_s_ = 0.0;  // of the helper, when it last made progress
   std::size_t left_of_frame_ = 0;
   bool is_done_ = false;
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <istream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -100,10 +99,6 @@ class JsonBuilder {
   std::string problem_;
 };
 
-std::string TextIn(std::istream& stream) {
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
 [[noreturn]] void FailAs(const char* wanted) {
   throw JsonError(std::string("a value of JSON is no ") + wanted);
 }
@@ -179,13 +174,11 @@ Json Json::parse(std::string_view text) {
   if (!Nlohmann::sax_parse(text, &builder)) throw JsonError(builder.problem());
   return std::move(builder.result());
 }
-Json Json::parse(std::istream& stream) { return parse(TextIn(stream)); }
 Json Json::parse_or_discard(std::string_view text) {
   JsonBuilder builder;
   if (!Nlohmann::sax_parse(text, &builder)) return Json(Type::kDiscarded);
   return std::move(builder.result());
 }
-Json Json::parse_or_discard(std::istream& stream) { return parse_or_discard(TextIn(stream)); }
 
 std::string Json::dump(int indent, InvalidText invalid) const {
   const auto handler = invalid == InvalidText::kReplaced ? Nlohmann::error_handler_t::replace

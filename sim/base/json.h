@@ -90,10 +90,8 @@ class Json {
 
   /// The last value of a key counts. Errors: JsonError.
   static Json parse(std::string_view text);
-  static Json parse(std::istream& stream);
   /// A value with is_discarded() where the text is no JSON.
   static Json parse_or_discard(std::string_view text);
-  static Json parse_or_discard(std::istream& stream);
   /// In one line, or with `indent` blanks for each level. Errors: JsonError.
   std::string dump(int indent = -1, InvalidText invalid = InvalidText::kError) const;
 

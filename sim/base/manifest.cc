@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <optional>
 #include <string_view>
@@ -13,6 +12,7 @@
 #include "sim/base/hash.h"
 #include "sim/base/input_file.h"
 #include "sim/base/json.h"
+#include "sim/base/limited_text.h"
 #include "sim/base/stop.h"
 
 namespace gauntlet::sim {
@@ -76,9 +76,8 @@ std::optional<Content> Read(const fs::path& file) {
       fs::exists(status) && !fs::is_regular_file(status)) {
     throw UserError({.place = file.string(), .problem = "is not a regular file"});
   }
-  std::ifstream text(file);
-  if (!text) return std::nullopt;
-  const Json json = Json::parse(text);
+  if (!fs::exists(file, ignored)) return std::nullopt;
+  const Json json = Json::parse(LimitedText(file, kMostManifestBytes));
   const auto of_another = [&file] {
     return UserError({.place = file.string(),
                       .problem = "is of another version of Gauntlet; run the same command again"});
@@ -105,8 +104,8 @@ std::optional<Content> Earlier(const fs::path& file) {
   try {
     return Read(file);
   } catch (const std::exception&) {
-    std::ifstream text(file);
-    const Json json = Json::parse_or_discard(text);
+    const Json json =
+        Json::parse_or_discard(LimitedTextIfAny(file, kMostManifestBytes).value_or(""));
     if (!json.is_object() || json.empty() || json.contains("format")) return Content{};
     throw UserError({.place = file.string(),
                      .problem = "is no manifest of gauntlet; name another folder by --out"});

@@ -16,14 +16,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <deque>
-#include <fstream>
-#include <iterator>
 #include <mutex>
 #include <vector>
 
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/input_file.h"
+#include "sim/base/limited_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -122,11 +121,6 @@ void RemoveEntry(int folder, const char* name) noexcept {
   unlinkat(folder, name, AT_REMOVEDIR);
 }
 
-std::string ReadText(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 /// True if the file at `target` is a manifest, a study database, or named by a manifest beside it
 /// (manifest.h).
 bool IsResult(const fs::path& target) {
@@ -136,10 +130,12 @@ bool IsResult(const fs::path& target) {
   const std::string name = target.filename().string();
   if (name == "study.db" || name.ends_with(kManifest)) return true;
   const fs::path folder = target.has_parent_path() ? target.parent_path() : ".";
+  const std::string mark = fmt::format("\"{}\": {{", name);
   return std::ranges::any_of(fs::directory_iterator(folder, ignored), [&](const auto& entry) {
     return entry.path().filename().string().ends_with(kManifest) &&
            entry.is_regular_file(ignored) &&
-           ReadText(entry.path()).find(fmt::format("\"{}\": {{", name)) != std::string::npos;
+           LimitedTextIfAny(entry.path(), kMostManifestBytes).value_or("").find(mark) !=
+               std::string::npos;
   });
 }
 
@@ -260,7 +256,7 @@ std::string WithChecksum(std::string_view text) {
 void RefuseEdited(const fs::path& target) {
   std::error_code ignored;
   if (!fs::exists(fs::symlink_status(target, ignored))) return;
-  const std::string text = fs::is_regular_file(target, ignored) ? ReadText(target) : "";
+  const std::string text = LimitedTextIfAny(target, kMostEditableBytes).value_or("");
   const std::size_t end = text.find('\n');
   if (end != std::string::npos && WithChecksum(text.substr(end + 1)) == text) return;
   throw UserError({.place = target.string(),

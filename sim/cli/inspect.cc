@@ -100,6 +100,16 @@ void PrintArrays(const Inspection& inspection) {
   Print("{}\n", Wrapped(fmt::format("not {}; --array NAME takes them", TextOf(left_out)), kWidth));
 }
 
+/// The first topics, those with signals before the others.
+void PrintTopicsTable(std::vector<ListedTopic> topics) {
+  constexpr std::size_t kMost = 50;
+  const std::size_t more = topics.size() - std::min(topics.size(), kMost);
+  if (more > 0) std::ranges::stable_partition(topics, &ListedTopic::has_signals);
+  topics.resize(topics.size() - more);
+  Print("{}", TextOf(TopicsTable(topics), StyleOf({})));
+  if (more > 0) Print("and {} more, in --json\n", more);
+}
+
 /// The topics of a file of messages, and whose times are used.
 void PrintTopics(const Inspection& inspection) {
   const auto taken = std::ranges::find_if(inspection.topics, &ListedTopic::is_taken);
@@ -110,7 +120,8 @@ void PrintTopics(const Inspection& inspection) {
                             ? "times in the headers of the messages"
                             : "times of the recorder; not every message has one of its own");
   if (inspection.topics.size() < 2) return;
-  Print("\n{}", TextOf(TopicsTable(inspection.topics), StyleOf({})));
+  Print("\n");
+  PrintTopicsTable(inspection.topics);
 }
 
 /// Missing values of the joints; gaps, restarts and repeats of the time.
@@ -171,7 +182,7 @@ void PrintDetails(const Inspection& inspection) {
 
 void PrintInspection(const Inspection& inspection, bool is_verbose) {
   if (inspection.layout.columns == 0) {  // which topic is the table has to be chosen first
-    Print("{}", TextOf(TopicsTable(inspection.topics), StyleOf({})));
+    PrintTopicsTable(inspection.topics);
     return;
   }
   Print("{}\n", SummaryOf(inspection));

@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <numeric>
 #include <sstream>
@@ -19,6 +18,7 @@
 #include "sim/answers/sweep/sweep_tables.h"
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/limited_text.h"
 #include "sim/base/output_file.h"
 #include "sim/base/shell_word.h"
 #include "sim/base/text.h"
@@ -87,10 +87,9 @@ Said Ask(const std::vector<std::string>& command) {
   return said;
 }
 
+/// A file of a submission; empty without one.
 std::string ReadText(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
+  return LimitedTextIfAny(file, kMostEditableBytes).value_or("");
 }
 
 /// Folders of the shards, 1 to `shards`.

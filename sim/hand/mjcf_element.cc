@@ -4,12 +4,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "sim/base/error.h"
 #include "sim/base/input_file.h"
+#include "sim/base/limited_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -131,8 +130,7 @@ void MjcfElement::Remove(std::string_view attribute) {
 std::string MjcfElement::Place() const { return fmt::format("{}:{}", file.string(), line); }
 
 MjcfElement ReadMjcf(const std::filesystem::path& file) {
-  std::ifstream stream(InputFile(file), std::ios::binary);
-  std::string text(std::istreambuf_iterator<char>(stream), {});
+  std::string text = LimitedText(InputFile(file), kMostModelBytes);
   BlankComments(text);
   const std::unique_ptr<XML_ParserStruct, void (*)(XML_Parser)> parser(XML_ParserCreate(nullptr),
                                                                        &XML_ParserFree);

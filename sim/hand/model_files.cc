@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <memory>
 #include <new>
 #include <set>
@@ -21,6 +19,7 @@
 #include "sim/base/error.h"
 #include "sim/base/helper_process.h"
 #include "sim/base/input_file.h"
+#include "sim/base/limited_text.h"
 #include "sim/base/text.h"
 #include "sim/hand/mujoco_messages.h"
 #include "sim/hand/mujoco_versions.h"
@@ -52,8 +51,7 @@ std::vector<std::string> ValuesOf(std::string_view name, std::string_view text) 
 
 void RegisterFile(const fs::path& file, const fs::path& folder, std::set<fs::path>& taken) {
   if (!taken.insert(file).second) return;
-  std::ifstream stream(InputFile(file), std::ios::binary);
-  const std::string text(std::istreambuf_iterator<char>(stream), {});
+  const std::string text = LimitedText(InputFile(file), kMostModelBytes);
   std::vector<std::string> folders = ValuesOf("dir", text);
   folders.emplace_back();
   for (const std::string& name : ValuesOf("file", text)) {

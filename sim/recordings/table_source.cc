@@ -12,6 +12,8 @@
 
 #include "sim/base/error.h"
 #include "sim/base/helper_process.h"
+#include "sim/base/input_file.h"
+#include "sim/base/limited_text.h"
 #include "sim/base/text.h"
 #include "sim/recordings/keypoints/bvh_file.h"
 #include "sim/recordings/keypoints/keypoint_rows.h"
@@ -166,8 +168,17 @@ void FromHelper(const std::string& place, std::uintmax_t file_bytes, const Work&
                 const std::function<void(PipeReader& pipe)>& take) {
   HelperProcess helper(
       [&](const HelperProcess::Send& send) {
-        PipeWriter pipe(send);
+        // Many small pieces would be as many system calls.
+        constexpr std::size_t kTogether = std::size_t{1} << 16;
+        std::string waiting;
+        PipeWriter pipe([&](std::span<const char> bytes) {
+          waiting.append(bytes.begin(), bytes.end());
+          if (waiting.size() < kTogether) return;
+          send(waiting);
+          waiting.clear();
+        });
         work(pipe);
+        send(waiting);
       },
       LimitsFor(file_bytes));
   PipeReader pipe([&helper](std::span<char> bytes) { helper.Receive(bytes); });
@@ -276,7 +287,7 @@ TableInput TextTable(const fs::path& file, FileFormat format, std::string head,
                      CsvReader::Source rest) {
   CsvReader::Source source = WithHead(std::move(head), std::move(rest));
   if (auto* const read = TextReaderOf(format)) {
-    return std::make_shared<const Table>(read(file.string(), BytesOf(source)));
+    return std::make_shared<const Table>(read(file.string(), WholeTextOf(source, file.string())));
   }
   if (format == FileFormat::kUtf16) source = Utf8Of(std::move(source));
   TableInput wide = KeypointsInColumns(file.string(), std::move(source));
@@ -342,13 +353,13 @@ OpenedTable OpenStoredTable(const fs::path& file, const std::string& array) {
 
 DatasetInfo DatasetInfoOf(const fs::path& file) {
   constexpr int kMostFolders = 4;
-  constexpr std::size_t kMostInfoBytes = std::size_t{4} << 20;
+  constexpr std::size_t kMostInfoBytes = 4'000'000;
   fs::path folder = fs::is_directory(file) ? file : fs::absolute(file).parent_path();
   for (int i = 0; i < kMostFolders; ++i, folder = folder.parent_path()) {
     std::error_code ignored;
     const fs::path info = folder / "meta" / "info.json";
-    if (fs::is_regular_file(info, ignored)) {
-      return ReadDatasetInfo(BytesOf(FileSource(info), kMostInfoBytes));
+    if (!IsOutside(info) && fs::is_regular_file(info, ignored)) {
+      return ReadDatasetInfo(LimitedText(InputFile(info), kMostInfoBytes));
     }
   }
   return {};

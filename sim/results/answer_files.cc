@@ -1,9 +1,7 @@
 #include "sim/results/answer_files.h"
 
-#include <fstream>
-#include <iterator>
-
 #include "sim/base/error.h"
+#include "sim/base/limited_text.h"
 #include "sim/base/manifest.h"
 #include "sim/base/output_file.h"
 
@@ -25,8 +23,7 @@ KeptAnswer ReadAnswer(const std::filesystem::path& folder, bool verbose) {
                                 " there, must be the output folder of a finished run, compare, "
                                 "tune, sweep or robust of this version"});
   }
-  std::ifstream file(manifest.Checked(name), std::ios::binary);
-  return {.text = std::string(std::istreambuf_iterator<char>(file), {}),
+  return {.text = LimitedText(manifest.Checked(name), kMostEditableBytes),
           .checked = manifest.exists()};
 }
 

@@ -1,14 +1,10 @@
 #include "sim/settings/yaml_tree.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <functional>
 #include <limits>
 #include <span>
@@ -18,6 +14,7 @@
 
 #include "controller/number.h"
 #include "sim/base/input_file.h"
+#include "sim/base/limited_text.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/text.h"
 
@@ -98,29 +95,7 @@ UserError YamlSource::At(const YamlNode& node, const SettingError& error) const 
 }
 
 std::string ReadYamlText(const std::filesystem::path& file) {
-  const auto fail = [&file](const std::string& problem) {
-    throw UserError({.place = file.empty() ? "''" : file.string(), .problem = problem});
-  };
-  const auto fail_at_reading = [&fail](int error) {
-    fail(fmt::format("cannot be read: {}", std::strerror(error)));
-  };
-  const int descriptor = open(InputFile(file).c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) fail_at_reading(errno);
-  std::string text(kMostBytes + 1, '\0');
-  std::size_t size = 0;
-  ssize_t got = 1;
-  while (got > 0 && size < text.size()) {
-    got = read(descriptor, text.data() + size, text.size() - size);
-    if (got > 0) size += static_cast<std::size_t>(got);
-  }
-  const int error = errno;
-  close(descriptor);
-  if (got < 0) fail_at_reading(error);
-  if (size > kMostBytes) {
-    fail(fmt::format("has more than {} MB, is no scenario file", kMostBytes / 1'000'000));
-  }
-  text.resize(size);
-  return text;
+  return LimitedText(InputFile(file), kMostBytes);
 }
 
 namespace {

@@ -37,8 +37,7 @@ struct YamlSource {
   UserError At(const YamlNode& node, const controller::SettingError& error) const;
 };
 
-/// The text of a file, which may also be a pipe.
-/// Errors: UserError for one that cannot be read or has more than 4 MB; Cancelled at an interrupt.
+/// The text of a file. Errors: as of InputFile() and LimitedText(), for 4 MB.
 std::string ReadYamlText(const std::filesystem::path& file);
 
 /// `!include FILE`, and what is said of it where it may not stand.

@@ -12,6 +12,8 @@
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
+#include "sim/base/limited_text.h"
 #include "sim/base/text.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/echo_file.h"
@@ -134,11 +136,11 @@ fs::path Unpacked(const fs::path& file) {
 /// Files that the metadata.yaml of a bag lists under relative_file_paths. rosbag2 writes one in a
 /// line.
 std::vector<fs::path> ListedFiles(const fs::path& folder) {
-  constexpr std::size_t kMostBytes = std::size_t{16} << 20;
+  constexpr std::size_t kMostBytes = 16'000'000;
   std::vector<fs::path> files;
   std::error_code missing;
   if (!fs::is_regular_file(folder / "metadata.yaml", missing)) return files;
-  const std::string text = BytesOf(FileSource(folder / "metadata.yaml"), kMostBytes);
+  const std::string text = LimitedText(InputFile(folder / "metadata.yaml"), kMostBytes);
   bool is_list = false;
   for (const std::string_view line : SplitLines(text)) {
     const std::string_view trimmed = Trimmed(line);

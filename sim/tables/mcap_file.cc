@@ -167,6 +167,7 @@ class McapFile : public MessageFile {
     }
     if (!ReadSummary()) {
       topics_.clear();
+      by_name_.clear();
       channels_.clear();
       schemas_.clear();
       chunks_.clear();
@@ -226,12 +227,13 @@ class McapFile : public MessageFile {
     } else if (schema_id != 0) {
       FailAsDamaged(fmt::format("the schema of {} is missing", OneLine(topic.name, 60)));
     }
-    const auto known = std::ranges::find(topics_, topic.name, &Topic::name);
-    channels_[id] = static_cast<std::size_t>(known - topics_.begin());
-    if (known == topics_.end()) {
+    const auto [place, is_new] = by_name_.try_emplace(topic.name, topics_.size());
+    channels_[id] = place->second;
+    if (is_new) {
       topics_.push_back(std::move(topic));
-    } else if (known->type != topic.type || known->encoding != topic.encoding ||
-               known->schema != topic.schema) {
+    } else if (Topic* const known = &topics_[place->second]; known->type != topic.type ||
+                                                             known->encoding != topic.encoding ||
+                                                             known->schema != topic.schema) {
       known->problem = "its messages are of several types";
     }
   }
@@ -415,22 +417,34 @@ class McapFile : public MessageFile {
   /// last chunk that have any. False for a file without message indexes.
   bool FindTimes() {
     std::ranges::stable_sort(chunks_, {}, &ChunkPlace::offset);
-    for (std::size_t topic = 0; topic < topics_.size(); ++topic) {
-      if (topics_[topic].messages == 0) continue;
+    struct Ends {
       const ChunkPlace* first = nullptr;
       const ChunkPlace* last = nullptr;
-      for (const ChunkPlace& place : chunks_) {
-        if (place.index_offsets.empty()) return false;
-        if (!MayHave(place, topic)) continue;
-        if (first == nullptr || place.first_ns < first->first_ns) first = &place;
-        if (last == nullptr || place.last_ns > last->last_ns) last = &place;
+    };
+    std::vector<Ends> ends(topics_.size());
+    for (const ChunkPlace& place : chunks_) {
+      if (place.index_offsets.empty()) return false;
+      for (const auto& [channel, offset] : place.index_offsets) {
+        const auto found = channels_.find(channel);
+        if (found == channels_.end()) continue;
+        Ends& of = ends[found->second];
+        if (of.first == nullptr || place.first_ns < of.first->first_ns) of.first = &place;
+        if (of.last == nullptr || place.last_ns > of.last->last_ns) of.last = &place;
       }
-      if (first == nullptr) FailAsDamaged("its index names no chunk of a topic that has messages");
+    }
+    std::vector<std::vector<std::uint16_t>> channels_of(topics_.size());
+    for (const auto& [channel, topic] : channels_) channels_of[topic].push_back(channel);
+    for (std::size_t topic = 0; topic < topics_.size(); ++topic) {
+      if (topics_[topic].messages == 0) continue;
+      const Ends& of = ends[topic];
+      if (of.first == nullptr) {
+        FailAsDamaged("its index names no chunk of a topic that has messages");
+      }
       Topic times;
-      for (const ChunkPlace* place : {first, last}) {
-        for (const auto& [channel, offset] : place->index_offsets) {
-          const auto found = channels_.find(channel);
-          if (found != channels_.end() && found->second == topic) CountIndex(offset, times);
+      for (const ChunkPlace* place : {of.first, of.last}) {
+        for (const std::uint16_t channel : channels_of[topic]) {
+          const auto found = place->index_offsets.find(channel);
+          if (found != place->index_offsets.end()) CountIndex(found->second, times);
         }
       }
       topics_[topic].first_ns = times.first_ns;
@@ -456,6 +470,7 @@ class McapFile : public MessageFile {
   FileWindow file_;
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, std::size_t> channels_;  // the topic of each
+  std::map<std::string, std::size_t> by_name_;     // topics
   std::vector<ChunkPlace> chunks_;                 // empty: read the whole file
   std::string room_;
   bool has_chunks_ = false;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "sim/base/error.h"
@@ -30,11 +31,12 @@ class JoinedFiles : public MessageFile {
 
  private:
   void Add(const Topic& topic) {
-    const auto known = std::ranges::find(topics_, topic.name, &Topic::name);
-    if (known == topics_.end()) {
+    const auto [place, is_new] = by_name_.try_emplace(topic.name, topics_.size());
+    if (is_new) {
       topics_.push_back(topic);
       return;
     }
+    Topic* const known = &topics_[place->second];
     if (known->type != topic.type || known->encoding != topic.encoding ||
         known->schema != topic.schema) {
       throw UserError(fmt::format("has several types of messages in the topic {}: {} and {}",
@@ -49,6 +51,7 @@ class JoinedFiles : public MessageFile {
   }
 
   std::vector<std::unique_ptr<MessageFile>> parts_;
+  std::map<std::string, std::size_t> by_name_;
 };
 
 }  // namespace

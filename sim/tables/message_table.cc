@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
@@ -28,29 +31,49 @@ bool IsBookkeeping(std::string_view type) {
          plain == "rosgraph_msgs/Clock" || plain == "tf2_msgs/TFMessage" || plain == "foxglove.Log";
 }
 
-/// True for a topic that may be the one to take.
-bool HasSignals(const Topic& topic) {
-  if (topic.messages < 2 || IsBookkeeping(topic.type) || !ProblemOf(topic).empty()) return false;
-  if (topic.encoding != "cdr") return true;
-  return HasSignals(
-      ReadRos2Msg(topic.type, topic.schema_encoding == "ros2msg" ? topic.schema : std::string()));
-}
+/// Problems and signals of the types of topics, found once for each type: a file may have tens of
+/// thousands of topics.
+class TopicTypes {
+ public:
+  struct Facts {
+    std::string problem;
+    bool has_signals = false;
+  };
 
-ListedTopic Listed(const Topic& topic) {
-  ListedTopic listed = {.name = topic.name, .type = topic.type, .messages = topic.messages};
-  listed.problem = ProblemOf(topic);
-  listed.has_signals = HasSignals(topic);
-  const double duration_s =
-      (static_cast<double>(topic.last_ns) - static_cast<double>(topic.first_ns)) / kNsPerS;
-  if (topic.messages > 1 && duration_s > 0.0) {
-    listed.rate_hz = static_cast<double>(topic.messages - 1) / duration_s;
+  const Facts& Of(const Topic& topic) {
+    const auto [known, is_new] = facts_.try_emplace(
+        {topic.encoding, topic.type, topic.schema_encoding, topic.schema, topic.problem});
+    if (is_new) known->second = {.problem = ProblemOf(topic), .has_signals = HasSignals(topic)};
+    return known->second;
   }
-  return listed;
-}
+
+ private:
+  static bool HasSignals(const Topic& topic) {
+    if (IsBookkeeping(topic.type) || !ProblemOf(topic).empty()) return false;
+    if (topic.encoding != "cdr") return true;
+    return sim::HasSignals(
+        ReadRos2Msg(topic.type, topic.schema_encoding == "ros2msg" ? topic.schema : std::string()));
+  }
+
+  std::map<std::array<std::string_view, 5>, Facts> facts_;  // by all that decides them
+};
 
 std::vector<ListedTopic> ListAll(const MessageFile& file) {
   std::vector<ListedTopic> listed;
-  for (const Topic& topic : file.topics()) listed.push_back(Listed(topic));
+  TopicTypes types;
+  for (const Topic& topic : file.topics()) {
+    const TopicTypes::Facts& facts = types.Of(topic);
+    listed.push_back({.name = topic.name,
+                      .type = topic.type,
+                      .messages = topic.messages,
+                      .problem = facts.problem,
+                      .has_signals = facts.has_signals && topic.messages >= 2});
+    const double duration_s =
+        (static_cast<double>(topic.last_ns) - static_cast<double>(topic.first_ns)) / kNsPerS;
+    if (topic.messages > 1 && duration_s > 0.0) {
+      listed.back().rate_hz = static_cast<double>(topic.messages - 1) / duration_s;
+    }
+  }
   return listed;
 }
 
@@ -65,25 +88,26 @@ std::string NamesIn(const std::vector<std::string>& names) {
 }
 
 /// The topic of this name, or the only one with signals. Nothing if there are none or several.
-std::optional<std::size_t> FindTopic(const std::vector<Topic>& topics, std::string_view chosen) {
+std::optional<std::size_t> FindTopic(const std::vector<ListedTopic>& topics,
+                                     std::string_view chosen) {
   if (chosen.empty()) {
-    const auto is_usable = [](const Topic& topic) { return HasSignals(topic); };
-    const auto found = std::ranges::find_if(topics, is_usable);
-    if (std::ranges::count_if(topics, is_usable) != 1) return std::nullopt;
+    const auto found = std::ranges::find_if(topics, &ListedTopic::has_signals);
+    if (std::ranges::count_if(topics, &ListedTopic::has_signals) != 1) return std::nullopt;
     return static_cast<std::size_t>(found - topics.begin());
   }
-  const auto is_chosen = [&](const Topic& topic) {
+  const auto is_chosen = [&](const ListedTopic& topic) {
     return topic.name == chosen ||
            (topic.name.starts_with('/') && std::string_view(topic.name).substr(1) == chosen);
   };
   const auto found = std::ranges::find_if(topics, is_chosen);
   if (found == topics.end()) {
     std::vector<std::string> names;
-    for (const Topic& topic : topics) names.push_back(topic.name);
+    for (const ListedTopic& topic : topics) names.push_back(topic.name);
     throw UserError(fmt::format("has no topic {}{}", Shown(chosen), Suggestion(chosen, names)));
   }
-  if (const std::string problem = ProblemOf(*found); !problem.empty()) {
-    throw UserError(fmt::format("topic {} is not read: {}", OneLine(found->name, 60), problem));
+  if (!found->problem.empty()) {
+    throw UserError(
+        fmt::format("topic {} is not read: {}", OneLine(found->name, 60), found->problem));
   }
   return static_cast<std::size_t>(found - topics.begin());
 }
@@ -169,6 +193,60 @@ TopicFacts FactsOf(MessageFile& file, std::size_t topic, MessageRows& rows) {
   return facts;
 }
 
+/// Puts rows in the order of their times. Few rows are held at once, unless many stand far from
+/// their place.
+class RowsInOrder {
+ public:
+  RowsInOrder() = default;
+  explicit RowsInOrder(const std::vector<std::int64_t>& times_ns) : place_(times_ns.size()) {
+    std::vector<std::size_t> order(times_ns.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return times_ns[i]; });
+    for (std::size_t i = 0; i < order.size(); ++i) place_[order[i]] = i;
+    std::size_t far = 0;
+    for (std::size_t i = 0; i < place_.size(); ++i) far += IsFar(i) ? 1 : 0;
+    has_far_ = far > 0 && far <= kFew;
+  }
+
+  /// True if AddFar() is to be called for all rows before Add(): else a row that is far from its
+  /// place would hold up all that stand between.
+  bool has_far() const { return has_far_; }
+  void AddFar(std::int64_t time_ns, const std::vector<double>& row) {
+    const std::size_t at = Next();
+    if (IsFar(at)) held_[place_[at]] = {time_ns, row};
+    if (read_ == place_.size()) read_ = 0;
+  }
+
+  /// Calls `write(time, row)` for all rows whose turn it is.
+  template <class Write>
+  void Add(std::int64_t time_ns, const std::vector<double>& row, const Write& write) {
+    const std::size_t at = Next();
+    if (!has_far_ || !IsFar(at)) held_[place_[at]] = {time_ns, row};
+    while (!held_.empty() && held_.begin()->first == written_) {
+      const auto first = held_.extract(held_.begin());
+      write(first.mapped().first, first.mapped().second);
+      ++written_;
+    }
+  }
+
+ private:
+  static constexpr std::size_t kFew = 4096;
+
+  std::size_t Next() {
+    if (read_ == place_.size()) throw UserError("changes while it is read");
+    return read_++;
+  }
+  bool IsFar(std::size_t at) const {
+    return std::max(at, place_[at]) - std::min(at, place_[at]) > kFew;
+  }
+
+  std::vector<std::size_t> place_;  // of each row of the file, in the order of times
+  bool has_far_ = false;
+  std::size_t read_ = 0;
+  std::size_t written_ = 0;
+  std::map<std::size_t, std::pair<std::int64_t, std::vector<double>>> held_;  // by their places
+};
+
 double SecondsOf(std::int64_t ns) {
   return static_cast<double>(static_cast<long double>(ns) / kNsPerS);
 }
@@ -176,8 +254,8 @@ double SecondsOf(std::int64_t ns) {
 }  // namespace
 
 std::vector<ListedTopic> ListTopics(MessageFile& file, std::string_view chosen) {
-  const std::optional<std::size_t> taken = FindTopic(file.topics(), chosen);
   std::vector<ListedTopic> listed = ListAll(file);
+  const std::optional<std::size_t> taken = FindTopic(listed, chosen);
   if (!taken) return listed;
   MessageRows rows(file.topics()[*taken]);
   listed[*taken].is_taken = true;
@@ -199,8 +277,9 @@ std::string QuestionOf(const std::vector<ListedTopic>& topics) {
 }
 
 void WriteTopicTable(MessageFile& file, std::string_view chosen, PipeWriter& pipe) {
-  const std::optional<std::size_t> found = FindTopic(file.topics(), chosen);
-  if (!found) throw UserError(QuestionOf(ListAll(file)));
+  const std::vector<ListedTopic> listed = ListAll(file);
+  const std::optional<std::size_t> found = FindTopic(listed, chosen);
+  if (!found) throw UserError(QuestionOf(listed));
   const std::size_t topic = *found;
   MessageRows rows(file.topics()[topic]);
   const TopicFacts facts = FactsOf(file, topic, rows);
@@ -208,30 +287,36 @@ void WriteTopicTable(MessageFile& file, std::string_view chosen, PipeWriter& pip
   names.insert(names.begin(), "time_s");
   TableWriter table(pipe, names, facts.remarks, file.topics()[topic].messages);
   std::vector<double> row;
-  const auto write = [&](std::int64_t ns, std::span<const double> values_of_row) {
+  const auto write = [&](std::int64_t ns, const std::vector<double>& values_of_row) {
     row.assign(1, SecondsOf(ns));
     row.insert(row.end(), values_of_row.begin(), values_of_row.end());
     table.Rows(row);
   };
-  std::vector<std::int64_t> times_ns;  // of rows that have to be sorted
-  std::vector<double> values;
+  const auto time_of = [&facts](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {
+    return facts.has_stamps ? stamp_ns.value_or(0) : log_ns;
+  };
+  RowsInOrder in_order;
+  if (!facts.is_sorted) {
+    std::vector<std::int64_t> times_ns;
+    ForEachRow(file, topic, rows, [&](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {
+      times_ns.push_back(time_of(log_ns, stamp_ns));
+    });
+    in_order = RowsInOrder(times_ns);
+    if (in_order.has_far()) {
+      ForEachRow(file, topic, rows, [&](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {
+        in_order.AddFar(time_of(log_ns, stamp_ns), rows.row());
+      });
+    }
+  }
   ForEachRow(file, topic, rows, [&](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {
     if (rows.columns().size() != facts.columns.size()) throw UserError("changes while it is read");
-    const std::int64_t ns = facts.has_stamps ? stamp_ns.value_or(0) : log_ns;
+    const std::int64_t ns = time_of(log_ns, stamp_ns);
     if (facts.is_sorted) {
       write(ns, rows.row());
     } else {
-      times_ns.push_back(ns);
-      values.insert(values.end(), rows.row().begin(), rows.row().end());
+      in_order.Add(ns, rows.row(), write);
     }
   });
-  std::vector<std::size_t> order(times_ns.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return times_ns[i]; });
-  const std::size_t columns = facts.columns.size();
-  for (const std::size_t i : order) {
-    write(times_ns[i], std::span(values).subspan(i * columns, columns));
-  }
   table.Finish(file.is_cut());
 }
 

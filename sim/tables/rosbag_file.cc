@@ -116,6 +116,7 @@ class RosbagFile : public MessageFile {
       }
     }
     std::map<std::int64_t, std::size_t> places;
+    std::map<std::string, std::size_t> by_name;
     Query rows(database_.get(), "SELECT id, name, type, serialization_format FROM topics");
     while (rows.Next()) {
       Topic topic;
@@ -125,9 +126,9 @@ class RosbagFile : public MessageFile {
       if (const auto found = definitions.find(topic.type); found != definitions.end()) {
         std::tie(topic.schema_encoding, topic.schema) = found->second;
       }
-      if (const auto same = std::ranges::find(topics_, topic.name, &Topic::name);
-          same != topics_.end()) {
-        same->problem = topic.problem = "its messages are of several types";
+      const auto [same, is_new] = by_name.try_emplace(topic.name, topics_.size());
+      if (!is_new) {
+        topics_[same->second].problem = topic.problem = "its messages are of several types";
       }
       places[rows.Number(0)] = topics_.size();
       ids_.push_back(rows.Number(0));

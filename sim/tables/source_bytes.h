@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "sim/base/error.h"
 #include "sim/tables/text_lines.h"
 
 namespace gauntlet::sim {
@@ -19,6 +20,19 @@ inline std::string BytesOf(const TextLines::Source& source, std::size_t most = S
     bytes.resize(std::min(size + kBlock, most));
     got = source(bytes.data() + size, bytes.size() - size);
     bytes.resize(size + got);
+  }
+  return bytes;
+}
+
+/// The bytes of a text that its format needs whole. Errors: UserError with `name` as its place for
+/// more than 512 MB.
+inline std::string WholeTextOf(const TextLines::Source& source, const std::string& name) {
+  constexpr std::size_t kMost = 512'000'000;
+  std::string bytes = BytesOf(source, kMost + 1);
+  if (bytes.size() > kMost) {
+    throw UserError({.place = name,
+                     .problem = "has more than 512 MB, the limit of a text that is read whole; "
+                                "cut it into parts"});
   }
   return bytes;
 }

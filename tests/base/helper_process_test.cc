@@ -11,6 +11,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <ctime>
 #include <functional>
 #include <string>
 #include <vector>
@@ -66,6 +67,22 @@ TEST(HelperProcess, EndsWorkThatTakesTooLong) {
                 {.processor_s = 0.1}),
             "ended: took more than 0.1 s of processor time");
   EXPECT_THROW(Result([](const Send&) { pause(); }, {.silence_s = 1}), HelperSilent);
+}
+
+// As one that waits for each block of a file on a slow disk.
+TEST(HelperProcess, HasTimeWhileItMakesProgress) {
+  const auto waits = [](double work_s) {
+    return [work_s](const Send& send) {
+      for (int block = 0; block < 16; ++block) {
+        usleep(100'000);
+        const std::clock_t begin = std::clock();
+        while (static_cast<double>(std::clock() - begin) < work_s * CLOCKS_PER_SEC) continue;
+      }
+      send(std::string("0123456789"));
+    };
+  };
+  EXPECT_EQ(Result(waits(5e-3), {.silence_s = 1}), "0123456789");
+  EXPECT_THROW(Result(waits(0.0), {.silence_s = 1}), HelperSilent);
 }
 
 TEST(HelperProcess, CanDoLittle) {

@@ -9,7 +9,6 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -153,14 +152,8 @@ TEST(Json, ReadsRareTextsAsNlohmannDoes) {
                            " [ ] ",
                            "{1:2}"}) {
     EXPECT_EQ(Read(text), ReadByNlohmann(text)) << text;
-    std::istringstream stream(text), again(text);
-    EXPECT_EQ(Json::parse_or_discard(stream).is_discarded(), ReadByNlohmann(text).empty()) << text;
-    if (ReadByNlohmann(text).empty()) {
-      EXPECT_THROW(Json::parse(text), JsonError) << text;
-      EXPECT_THROW(Json::parse(again), JsonError) << text;
-    } else {
-      EXPECT_EQ(Json::parse(text), Json::parse(again)) << text;
-    }
+    EXPECT_EQ(Json::parse_or_discard(text).is_discarded(), ReadByNlohmann(text).empty()) << text;
+    if (ReadByNlohmann(text).empty()) EXPECT_THROW(Json::parse(text), JsonError) << text;
   }
 }
 

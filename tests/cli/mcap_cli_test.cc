@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -15,6 +17,7 @@
 #include "sim/base/csv_line.h"
 #include "sim/recordings/table_source.h"
 #include "sim/tables/mcap_writer.h"
+#include "sim/tables/message_type.h"
 #include "sim/tables/source_bytes.h"
 #include "tests/support/long_test.h"
 #include "tests/support/program.h"
@@ -45,6 +48,42 @@ std::map<std::string, std::vector<double>> ColumnsOf(const std::string& text) {
     }
   }
   return columns;
+}
+
+// Their names are compared with one another, and few are printed.
+TEST(Mcap, OfTensOfThousandsOfTopicsIsListedAtOnce) {
+  TemporaryDirectory folder;
+  const fs::path file = folder.path() / "many.mcap";
+  constexpr int kTopics = 40'000;
+  std::ofstream stream(file, std::ios::binary);
+  sim::McapWriter writer([&stream](std::string_view part) { stream << part; });
+  std::uint16_t last = 0;
+  for (int k = 0; k < kTopics; ++k) {
+    last = writer.AddTopic("/t" + std::to_string(k), "sensor_msgs/msg/JointState",
+                           sim::KnownMessage("sensor_msgs/JointState"));
+  }
+  for (int k = 0; k < 3; ++k) {
+    sim::CdrWriter message;
+    message.Time(k * std::int64_t{10'000'000});
+    message.Text("");
+    message.Texts({"index_mcp"});
+    message.Numbers({0.1 * k});
+    message.Numbers({});
+    message.Numbers({});
+    writer.AddMessage(last, k * std::int64_t{10'000'000}, message.message());
+    if (k > 0) writer.AddMessage(last - 1, k * std::int64_t{10'000'000}, message.message());
+  }
+  writer.Finish();
+  stream.close();
+  const ProgramResult result = RunGauntlet({"inspect", file.string()});
+  EXPECT_EQ(result.exit_code, 2);
+  // Those with signals first.
+  EXPECT_THAT(result.standard_output,
+              testing::MatchesRegex("topic[^\n]*\n/t39998 [^\n]*\n/t39999 .*"));
+  EXPECT_EQ(std::ranges::count(result.standard_output, '\n'), 52);
+  EXPECT_THAT(result.standard_output, HasSubstr("\nand 39950 more, in --json\n"));
+  EXPECT_THAT(result.standard_error,
+              HasSubstr("has several topics: /t39998, /t39999; --topic NAME takes one"));
 }
 
 TEST(McapOfARun, HasTheValuesAndTimesOfItsCsv) {

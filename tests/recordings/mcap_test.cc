@@ -13,6 +13,8 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <numeric>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -411,6 +413,112 @@ TEST(MessageRows, RefusesWhatItDoesNotRead) {
   rows.Read(JointStateMessage(1, {"a", "b"}, {1, 2}));
   EXPECT_THROW(rows.Read(JointStateMessage(1, {"a", "b"}, {1, 2, 3})), UserError);
   EXPECT_THROW(rows.Read(JointStateMessage(1, {"a", "a"}, {1, 2})), UserError);
+}
+
+/// One topic with these times, and its message's number as the only value.
+class TimedMessages : public MessageFile {
+ public:
+  explicit TimedMessages(std::vector<std::int64_t> times_ns) : times_ns_(std::move(times_ns)) {
+    Topic topic;
+    topic.name = "/t";
+    topic.encoding = "json";
+    topic.messages = times_ns_.size();
+    topics_.push_back(topic);
+  }
+  void ForEachMessage(std::size_t /*topic*/, const Visit& visit) override {
+    visited_ = 0;
+    for (const std::int64_t time_ns : times_ns_) {
+      visit(time_ns, fmt::format("{{\"x\": {}}}", visited_));
+      ++visited_;
+    }
+  }
+  /// Messages of the last pass so far.
+  std::size_t visited() const { return visited_; }
+
+ private:
+  std::vector<std::int64_t> times_ns_;
+  std::size_t visited_ = 0;
+};
+
+// The rows of a large file are not held in memory for a message that is late.
+TEST(WriteTopicTable, SortsRowsAndHoldsOnlyThoseThatWait) {
+  constexpr std::size_t kCount = 120'000;
+  std::vector<std::int64_t> sorted(kCount);
+  for (std::size_t i = 0; i < kCount; ++i) sorted[i] = static_cast<std::int64_t>(i / 2 * 10);
+  const auto moved = [&](std::size_t from, std::size_t to) {
+    std::vector<std::int64_t> times = sorted;
+    const std::int64_t time = times[from];
+    times.erase(times.begin() + static_cast<std::ptrdiff_t>(from));
+    times.insert(times.begin() + static_cast<std::ptrdiff_t>(to), time);
+    return times;
+  };
+  std::vector<std::int64_t> halves = sorted, in_pairs = sorted;
+  std::ranges::rotate(halves, halves.begin() + kCount / 2);
+  for (std::size_t i = 0; i + 3 < kCount; i += 4) std::swap(in_pairs[i], in_pairs[i + 3]);
+  struct Case {
+    std::vector<std::int64_t> times_ns;
+    bool is_streamed = true;
+  };
+  for (const Case& one : {Case{sorted}, Case{moved(7, kCount - 1)}, Case{moved(kCount - 1, 0)},
+                          Case{moved(500, 700)}, Case{in_pairs}, Case{halves, false}}) {
+    std::vector<std::size_t> order(kCount);
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return one.times_ns[i]; });
+    TimedMessages file(one.times_ns);
+    std::string bytes;
+    std::size_t first_rows_at = 0;  // messages that were read before the first block of rows
+    PipeWriter pipe([&](std::span<const char> part) {
+      if (first_rows_at == 0 && part.size() > 1000) first_rows_at = file.visited();
+      bytes.append(part.begin(), part.end());
+    });
+    WriteTopicTable(file, "", pipe);
+    EXPECT_EQ(first_rows_at < kCount / 2, one.is_streamed) << first_rows_at;
+    PipeReader reader([&, read = std::size_t{0}](std::span<char> part) mutable {
+      std::ranges::copy(bytes.substr(read, part.size()), part.begin());
+      read += part.size();
+    });
+    const Table table = ReadTable(reader);
+    ASSERT_EQ(table.rows, kCount);
+    for (std::size_t row = 0; row < kCount; ++row) {
+      ASSERT_EQ(table.columns[1].numbers[row], static_cast<double>(order[row]));
+      ASSERT_DOUBLE_EQ(table.columns[0].numbers[row],
+                       1e-9 * static_cast<double>(one.times_ns[order[row]]));
+    }
+  }
+}
+
+// A reader that believed the index would take a part of the messages for all.
+TEST(Mcap, WhoseIndexCountsOtherMessagesIsRefused) {
+  std::string bytes;
+  McapWriter writer([&](std::string_view part) { bytes.append(part); });
+  const std::uint16_t joints = writer.AddTopic("/joints", "sensor_msgs/msg/JointState",
+                                               KnownMessage("sensor_msgs/JointState"));
+  for (int k = 1; k <= 9; ++k) {
+    writer.AddMessage(joints, k * std::int64_t{1000000},
+                      JointStateMessage(k * std::int64_t{1000000}, {"a"}, {0.1 * k}));
+  }
+  writer.Finish();
+  // The last field of the statistics is the number of messages of each channel; the checksum of the
+  // summary, in the footer, becomes 0: none.
+  const std::size_t footer = bytes.size() - 8 - 4;
+  bytes.replace(footer, 4, 4, '\0');
+  const std::string statistics = "\x0b"s + std::string("\x38\0\0\0\0\0\0\0", 8);
+  const std::size_t at = bytes.rfind(statistics);
+  ASSERT_NE(at, std::string::npos);
+  char& count = bytes[at + 9 + 46 + 2];
+  ASSERT_EQ(count, 9);
+  for (const char other : {8, 10}) {
+    count = other;
+    const std::unique_ptr<MessageFile> messages = ReadMcap(bytes);
+    EXPECT_EQ(messages->topics()[0].messages, static_cast<std::uint64_t>(other));
+    try {
+      test::TextFromPipe([&](PipeWriter& pipe) { WriteTopicTable(*messages, "", pipe); });
+      FAIL() << int{other};
+    } catch (const UserError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(fmt::format(
+                                    "its index counts {} messages of /joints, it has 9", other)));
+    }
+  }
 }
 
 TEST(McapWriter, IsReadBackWithAndWithoutItsIndex) {

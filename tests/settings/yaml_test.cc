@@ -200,7 +200,7 @@ TEST_F(YamlReaderTest, DepthAndSizeAreBounded) {
   for (int i = 0; i < 200'000; ++i) wide += "0,";
   EXPECT_THAT(Complaint(wide + "0]\n"), EndsWith(": has more than 200000 values"));
   EXPECT_EQ(Complaint("title: " + std::string(4'000'000, 'x')),
-            "file: has more than 4 MB, is no scenario file");
+            "file: has more than 4 MB, the limit of such a file");
 }
 
 TEST_F(YamlReaderTest, AFileHasOneDocumentAndNoTags) {
@@ -231,7 +231,8 @@ TEST_F(YamlReaderTest, WhatCannotBeReadSaysWhy) {
   EXPECT_EQ(problem(""), "'': no such file");
   EXPECT_EQ(problem("/dev/zero"), "/dev/zero: is a device, must be a regular file");
   std::ofstream(folder.path() / "long") << std::string(5'000'000, '#');
-  EXPECT_THAT(problem(folder.path() / "long"), EndsWith("has more than 4 MB, is no scenario file"));
+  EXPECT_THAT(problem(folder.path() / "long"),
+              EndsWith("has more than 4 MB, the limit of such a file"));
 }
 
 TEST_F(YamlReaderTest, MessagesShowLongValuesInShort) {

@@ -5,17 +5,16 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <tuple>
 
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/json.h"
+#include "sim/base/limited_text.h"
 #include "sim/base/manifest.h"
 #include "sim/base/text.h"
 #include "sim/score/score.h"
@@ -109,14 +108,6 @@ Row ParseRow(const std::string& name, std::size_t number, std::string_view line,
   return row;
 }
 
-std::string ReadText(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw UserError({.place = file.string(), .problem = "cannot be read"});
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 }  // namespace
 
 ScoreFile ParseScoresCsv(const std::string& name, std::string_view text) {
@@ -161,8 +152,8 @@ ScoreFile ParseScoresCsv(const std::string& name, std::string_view text) {
 bool HoldsComparison(const std::filesystem::path& folder) {
   std::error_code unreadable;
   if (!std::filesystem::is_regular_file(folder / "scores.json", unreadable)) return false;
-  std::ifstream file(folder / "scores.json");
-  const Json scores = Json::parse_or_discard(file);
+  const Json scores = Json::parse_or_discard(
+      LimitedTextIfAny(folder / "scores.json", kMostScoreBytes).value_or(""));
   return scores.is_object() && scores.contains("seeds");
 }
 
@@ -172,7 +163,7 @@ StudyFolder ReadStudyFolder(const std::filesystem::path& folder) {
   const std::filesystem::path scores = manifest.Checked("scores.csv");
   return {.name = OneLine(folder.string()),
           .scenario = LoadScenario(resolved, {}),
-          .scores = ParseScoresCsv(scores.string(), ReadText(scores)),
+          .scores = ParseScoresCsv(scores.string(), LimitedText(scores, kMostScoreBytes)),
           .checked = manifest.exists()};
 }
 

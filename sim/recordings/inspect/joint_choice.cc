@@ -12,6 +12,8 @@
 #include "sim/base/channels.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
+#include "sim/base/limited_text.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
@@ -336,7 +338,7 @@ Profile ProfileNamed(const std::string& name, const std::vector<Profile>& profil
   const std::filesystem::path file = name;
   if (file.extension() == ".yaml") return ReadProfile(file);
   if (file.extension() == ".csv") {  // a column map with numbers of sensors
-    return {.name = name, .device = name, .map = BytesOf(FileSource(file), kMostMapBytes)};
+    return {.name = name, .device = name, .map = LimitedText(InputFile(file), kMostMapBytes)};
   }
   std::vector<std::string> names;
   for (const Profile& profile : profiles) names.push_back(profile.name);

@@ -222,7 +222,7 @@ TableInput KeypointsInColumns(const std::string& name, TableInput input) {
   auto source = std::get<CsvReader::Source>(std::move(input));
   std::string head = BytesOf(source, kLongestHead);
   if (HasHandLines(head)) {
-    return WithHead(TextOfHandLines(head + BytesOf(source)), nullptr);
+    return WithHead(TextOfHandLines(head + WholeTextOf(source, name)), nullptr);
   }
   std::optional<RowForm> form;
   try {

@@ -218,7 +218,7 @@ TableInput AnglesOfKeypoints(const std::string& name, TableInput input) {
     // Rows of one and of two hands are a question, before the rows of one width are dropped.
     if (!table) FindTable(name, TextSource(head), ProblemHandling::kRepair);
     if (!table) {
-      text = head + BytesOf(*source);
+      text = head + WholeTextOf(*source, name);
       table = std::make_shared<const Table>(
           TableOfText({name, TextSource(text), ProblemHandling::kRepair}));
     }

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <numeric>
 
 #include "sim/base/error.h"
 #include "sim/base/json.h"
+#include "sim/base/limited_text.h"
 #include "sim/show/figure/palette.h"
 
 namespace gauntlet::sim {
@@ -91,8 +91,7 @@ std::string AnswerOf(const Json& scores) {
 }
 
 Json JsonIn(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  return Json::parse(stream);
+  return Json::parse(LimitedText(file, kMostScoreBytes));
 }
 
 [[noreturn]] void FailOf(const std::filesystem::path& file) {
