@@ -67,7 +67,7 @@ TEST(Mcap, OfTensOfThousandsOfTopicsIsListedAtOnce) {
     message.Time(k * std::int64_t{10'000'000});
     message.Text("");
     message.Texts({"index_mcp"});
-    message.Numbers({0.1 * k});
+    message.Numbers(std::vector{0.1 * k});
     message.Numbers({});
     message.Numbers({});
     writer.AddMessage(last, k * std::int64_t{10'000'000}, message.message());

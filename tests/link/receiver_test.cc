@@ -140,6 +140,27 @@ TEST(Receiver, QueueReplaysAGapAndStaysLate) {
   EXPECT_EQ(values[99], 79.0);
 }
 
+// At a period of one tick it could use only one a tick anyway.
+TEST(Receiver, QueueGivesOneFrameAPeriodBehindAGap) {
+  constexpr std::int64_t kPeriod = 10;
+  Receiver receiver({.settings = QueueReceiver{}}, 1, kPeriod, kTicks);
+  std::vector<double> values;
+  for (std::int64_t tick = 0; tick < 800; ++tick) {
+    // Frames of 200 to 400 arrive together at 400.
+    const std::int64_t first = tick == 400 ? 200 : tick;
+    for (std::int64_t sent = first; sent <= tick && tick % kPeriod == 0; sent += kPeriod) {
+      if (tick < 200 || tick >= 400) receiver.Accept(tick, *Frame(sent / kPeriod, sent));
+    }
+    receiver.Step(tick);
+    values.push_back(receiver.values()[0]);
+  }
+  for (std::int64_t tick = 400; tick < 800; ++tick) {
+    ASSERT_EQ(values[static_cast<std::size_t>(tick)],
+              static_cast<double>(200 + (tick - 400) / kPeriod * kPeriod))
+        << tick;
+  }
+}
+
 TEST(Receiver, QueueGrowsWithASenderFasterThanTheLinkAndNewestDoesNot) {
   TransportConfig slow;
   slow.frame_ms = 8.0;
@@ -172,6 +193,39 @@ TEST(Receiver, BufferFollowsAClockThatDrifts) {
       UsedBehind(link, {.settings = BufferReceiver{.delay_ms = 10.0, .window_ms = 1000.0}}, 20'000);
   EXPECT_NEAR(used.ages[5000], 10.0, 1.1);
   EXPECT_NEAR(used.ages.back(), 10.0, 1.1);
+}
+
+// The smallest transit of long ago is no measure of the transits of now.
+TEST(Receiver, BufferForgetsTheTransitsBeforeItsWindow) {
+  DisorderedLink link(ConstantDelay{}, -1e-3);  // transits grow by 1 ms in 1 s
+  const Used used =
+      UsedBehind(link, {.settings = BufferReceiver{.delay_ms = 10.0, .window_ms = 1000.0}}, 20'000);
+  EXPECT_NEAR(used.ages[5000], 10.0, 1.1);
+  EXPECT_NEAR(used.ages.back(), 10.0, 1.1);
+}
+
+// More arrive at once than wait at other times: the oldest go.
+TEST(Receiver, BufferKeepsTheNewestOfABurst) {
+  Receiver receiver({.settings = BufferReceiver{.delay_ms = 5.0}}, 1, 1.0, kTicks);
+  for (std::int64_t tick = 0; tick < 20; ++tick) {
+    receiver.Accept(tick, *Frame(tick, tick));
+    receiver.Step(tick);
+  }
+  for (std::int64_t sent = 20; sent <= 40; ++sent) receiver.Accept(40, *Frame(sent, sent));
+  for (std::int64_t tick = 40; tick <= 45; ++tick) {
+    EXPECT_EQ(receiver.Step(tick), Found::kNew);
+    EXPECT_EQ(receiver.values()[0], static_cast<double>(tick - 5));
+  }
+}
+
+TEST(Receiver, BufferKeepsARepeatedFrameOnce) {
+  Receiver receiver({.settings = BufferReceiver{.delay_ms = 5.0}}, 1, 1.0, kTicks);
+  for (std::int64_t tick = 0; tick < 100; ++tick) {
+    for (int copy = 0; copy < 5; ++copy) receiver.Accept(tick, *Frame(tick, tick));
+    receiver.Step(tick);
+    EXPECT_LE(receiver.waiting_frames(), 6U);
+    if (tick >= 5) EXPECT_EQ(receiver.values()[0], static_cast<double>(tick - 5));
+  }
 }
 
 TEST(Receiver, AdaptiveBufferLeavesTheShareBeyondItsQuantileLate) {

@@ -196,6 +196,21 @@ TEST(Transport, EverySeedHasAnotherLinkAndTheSameSeedTheSame) {
   EXPECT_NE(ticks(1), ticks(2));
 }
 
+// Frames are so rare that none waits for another.
+TEST(Transport, ALostFrameChangesNoDelayOfTheOthers) {
+  TransportConfig whole;
+  whole.delay.settings = HistogramDelay{.bucket_ms = 1.0, .counts = std::vector<double>(50, 1.0)};
+  TransportConfig lossy = whole;
+  lossy.loss.settings = IndependentLoss{.percent = 30.0};
+  const std::vector<Arrival> all = Sent(whole, 500, 60);
+  const std::vector<Arrival> some = Sent(lossy, 500, 60);
+  ASSERT_EQ(all.size(), 500U);
+  EXPECT_NEAR(static_cast<double>(some.size()), 350.0, 50.0);
+  for (const Arrival& arrival : some) {
+    EXPECT_EQ(arrival.arrival_tick, all[static_cast<std::size_t>(arrival.number)].arrival_tick);
+  }
+}
+
 TEST(Transport, ALinkWithoutSettingsPassesEachFrameAtItsTick) {
   for (const Arrival& arrival : Sent({}, 1000, 3)) {
     EXPECT_EQ(arrival.arrival_tick, arrival.sent_tick);

@@ -108,6 +108,23 @@ TEST(Watchdog, AFewFramesInAGapDoNotEndIt) {
   }
 }
 
+// The sender may begin later than the loop: nothing is missing yet.
+TEST(Watchdog, CountsNoSilenceBeforeTheFirstFrame) {
+  Watchdog watchdog = Tiers();
+  watchdog.Reset(std::vector<std::int32_t>{600, 600});
+  for (int tick = 0; tick < 3000; ++tick) {
+    watchdog.Watch(false);
+    ASSERT_EQ(watchdog.tier(), Tier::kFollow) << tick;
+  }
+  watchdog.Watch(true);
+  for (int tick = 1; tick < 50; ++tick) {
+    watchdog.Watch(false);
+    ASSERT_EQ(watchdog.tier(), Tier::kFollow) << tick;
+  }
+  watchdog.Watch(false);
+  EXPECT_EQ(watchdog.tier(), Tier::kHold);
+}
+
 TEST(Watchdog, CommandsAtRareFramesMoveForTheTimeBetweenThem) {
   Watchdog watchdog = Tiers();
   watchdog.Reset(std::vector<std::int32_t>{5000, 500});

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "controller/number.h"
 #include "sim/base/json.h"
@@ -30,6 +31,27 @@ ResultTable Filters() {
                         ResultCell({controller::kNaN, std::monostate()}, "-"),
                         ResultCell(std::int64_t{0}), ResultCell("stopped"), ResultCell::Text("")});
   return table;
+}
+
+// What is better and what is worse are exchanged easily.
+TEST(ResultTable, ShowsItsMarksInTheirColours) {
+  ResultTable table{.columns = {ForPeople("score")}, .rows = {}};
+  for (const auto& [text, mark] :
+       {std::pair("1.1", '*'), {"2.2", '!'}, {"3.3", '~'}, {"4.4", ' '}}) {
+    table.rows.push_back({ResultCell({1.0}, text, mark)});
+  }
+  const std::string html = HtmlOf(table);
+  for (const char* cell :
+       {"<td class=\"good\">1.1", "<td class=\"warn\">2.2", "<td>3.3", "<td>4.4"}) {
+    EXPECT_NE(html.find(cell), std::string::npos) << cell << "\n" << html;
+  }
+  const std::string coloured = TextOf(table, {.colour = true});
+  EXPECT_NE(coloured.find(Good("  1.1*")), std::string::npos) << coloured;
+  EXPECT_NE(coloured.find(Warning("  2.2!")), std::string::npos) << coloured;
+  EXPECT_NE(coloured.find("  3.3~\n"), std::string::npos) << coloured;
+  EXPECT_NE(coloured.find("  4.4\n"), std::string::npos) << coloured;
+  EXPECT_EQ(Good("x"), "\033[1;32mx\033[0m");   // green
+  EXPECT_EQ(Warning("x"), "\033[33mx\033[0m");  // yellow
 }
 
 TEST(ResultTable, IsWrittenAsCsvWithAColumnPerPart) {

@@ -165,6 +165,8 @@ void Receiver::Keep(const LinkFrame& frame) noexcept {
   }
   auto after = waiting_.end();
   while (after != waiting_.begin() && pool_.At(*(after - 1)).number > frame.number) --after;
+  // Copies would push out frames that are not due yet.
+  if (after != waiting_.begin() && pool_.At(*(after - 1)).number == frame.number) return;
   waiting_.insert(after, pool_.Keep(frame));
   if (waiting_.size() > most_waiting_) Drop(0, 1);
 }
