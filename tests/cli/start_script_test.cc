@@ -353,6 +353,7 @@ TEST_F(StartScript, AnInstallationThatFailsHasItsReasonInOneSentence) {
     std::string ends;
     std::string sentence;
   };
+  Write(os_release_, "ID=debian\nVERSION_ID=\"12\"\n");
   const std::string more = " (more in " + root_.string() + "/build/packages.log)";
   const std::vector<Case> cases = {
       {"dpkg: error processing archive /var/cache/apt/archives/cmake_3.25.deb (--unpack):\n"

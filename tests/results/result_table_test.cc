@@ -35,10 +35,10 @@ ResultTable Filters() {
 
 // What is better and what is worse are exchanged easily.
 TEST(ResultTable, ShowsItsMarksInTheirColours) {
-  ResultTable table{.columns = {ForPeople("score")}, .rows = {}};
+  ResultTable table{.columns = {ForPeople("name"), ForPeople("score")}, .rows = {}};
   for (const auto& [text, mark] :
        {std::pair("1.1", '*'), {"2.2", '!'}, {"3.3", '~'}, {"4.4", ' '}}) {
-    table.rows.push_back({ResultCell({1.0}, text, mark)});
+    table.rows.push_back({ResultCell("a"), ResultCell({1.0}, text, mark)});
   }
   const std::string html = HtmlOf(table);
   for (const char* cell :
