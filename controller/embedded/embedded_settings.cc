@@ -38,27 +38,20 @@ Eigen::ArrayXXd GainsOf(const ControllerConfig& config, int channels, double rat
     Refuse("filter[0]." + config.filters[0].per_channel[0].key, "is a list, must be one value");
   }
   const auto& settings = config.filters[0].settings;
-  if (std::holds_alternative<NoFilterConfig>(settings)) return gains;
-  if (const auto* exponential = std::get_if<ExponentialConfig>(&settings)) {
-    gains.row(0) = exponential->alpha;
-  } else if (const auto* alpha_beta = std::get_if<AlphaBetaConfig>(&settings)) {
-    gains.row(0) = alpha_beta->alpha;
-    gains.row(1) = alpha_beta->beta;
-  } else if (const auto* with_gamma = std::get_if<AlphaBetaGammaConfig>(&settings)) {
-    gains.row(0) = with_gamma->alpha;
-    gains.row(1) = with_gamma->beta;
-    gains.row(2) = 2.0 * with_gamma->gamma;
-  } else if (const auto* kalman = std::get_if<KalmanSteadyConfig>(&settings)) {
-    if (kalman->start != Start::kFirst) Refuse("filter[0].start", "is zero, must be first");
-    gains.topRows(kalman->states) = SteadyGains(*kalman, channels, rate_hz).transpose();
-  } else if (std::holds_alternative<KalmanConfig>(settings)) {
+  const auto* kalman = std::get_if<KalmanSteadyConfig>(&settings);
+  if (kalman != nullptr && kalman->start != Start::kFirst) {
+    Refuse("filter[0].start", "is zero, must be first");
+  }
+  if (std::holds_alternative<KalmanConfig>(settings)) {
     Refuse("filter[0]", "is kalman, must be kalman_steady, to which it settles (--settle),");
-  } else {
+  }
+  const auto constant = ConstantGains(settings, channels, rate_hz);
+  if (!constant) {
     Refuse("filter[0]", "is " + std::string(KindName(settings)) +
                             ", must be none, exponential, alpha_beta, alpha_beta_gamma or "
                             "kalman_steady");
   }
-  return gains;
+  return constant->transpose();
 }
 
 bool HasList(const FilterConfig& filter, std::string_view key) {

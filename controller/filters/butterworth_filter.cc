@@ -25,10 +25,9 @@ GAUNTLET_VECTORISED void StepFirstOrder(double* s, double gain, const double* in
   }
 }
 
-/// Factors of a second-order section with prewarped frequency g and damping k = 1 / Q.
-struct Section {
-  double a1, a2, a3;
-};
+using Section = ButterworthFactors::Section;
+
+/// With prewarped frequency g and damping k = 1 / Q.
 Section MakeSection(double g, double k) {
   const double a1 = 1.0 / (1.0 + g * (g + k));
   return {a1, g * a1, g * g * a1};
@@ -51,24 +50,19 @@ GAUNTLET_VECTORISED void StepSecondOrder(double* band, double* low, Section f, c
 class ButterworthFilter final : public RecursiveFilter {
  public:
   ButterworthFilter(const ButterworthConfig& config, int channel_count, double rate_hz)
-      : RecursiveFilter(config.order, channel_count, config.start), order_(config.order) {
-    const double g = std::tan(std::numbers::pi * config.cutoff_hz / rate_hz);
-    if (order_ % 2 == 1) first_order_gain_ = g / (1.0 + g);
-    for (int pair = 1; pair <= order_ / 2; ++pair) {
-      const double angle = std::numbers::pi * (2 * pair - 1) / (2.0 * order_);
-      sections_.push_back(MakeSection(g, 2.0 * std::sin(angle)));
-    }
-  }
+      : RecursiveFilter(config.order, channel_count, config.start),
+        order_(config.order),
+        factors_(FactorsOf(config, rate_hz)) {}
 
  private:
   void StepAll(const double* input, double* output) noexcept override {
     const double* from = input;
     int index = 0;
     if (order_ % 2 == 1) {
-      StepFirstOrder(state(index++), first_order_gain_, from, output, channel_count());
+      StepFirstOrder(state(index++), factors_.first_order_gain, from, output, channel_count());
       from = output;
     }
-    for (const Section& section : sections_) {
+    for (const Section& section : factors_.sections) {
       StepSecondOrder(state(index), state(index + 1), section, from, output, channel_count());
       index += 2;
       from = output;
@@ -83,8 +77,7 @@ class ButterworthFilter final : public RecursiveFilter {
   }
 
   int order_;
-  double first_order_gain_ = 0.0;
-  std::vector<Section> sections_;
+  ButterworthFactors factors_;
 };
 
 }  // namespace
@@ -100,14 +93,26 @@ void ButterworthConfig::Visit(SettingsVisitor& visitor) {
   VisitStart(visitor, start);
 }
 
-std::unique_ptr<Filter> MakeFilter(const ButterworthConfig& config, int channel_count,
-                                   double rate_hz) {
-  CheckFilter(config, channel_count, rate_hz);
+ButterworthFactors FactorsOf(const ButterworthConfig& config, double rate_hz) {
+  CheckFilter(config, 1, rate_hz);
   if (!(config.cutoff_hz < 0.5 * rate_hz)) {
     throw SettingError("cutoff_hz", "is " + NumberText(config.cutoff_hz) +
                                         ", must be below half the rate, " +
                                         NumberText(0.5 * rate_hz));
   }
+  const double g = std::tan(std::numbers::pi * config.cutoff_hz / rate_hz);
+  ButterworthFactors factors;
+  if (config.order % 2 == 1) factors.first_order_gain = g / (1.0 + g);
+  for (int pair = 1; pair <= config.order / 2; ++pair) {
+    const double angle = std::numbers::pi * (2 * pair - 1) / (2.0 * config.order);
+    factors.sections.push_back(MakeSection(g, 2.0 * std::sin(angle)));
+  }
+  return factors;
+}
+
+std::unique_ptr<Filter> MakeFilter(const ButterworthConfig& config, int channel_count,
+                                   double rate_hz) {
+  CheckFilter(config, channel_count, rate_hz);
   return std::make_unique<ButterworthFilter>(config, channel_count, rate_hz);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "controller/export.h"
 #include "controller/filters/start.h"
@@ -28,5 +29,20 @@ struct GAUNTLET_API ButterworthConfig {
 
   void Visit(SettingsVisitor& visitor);
 };
+
+/// Factors of its sections at a rate, as it steps them. With e = z - s:
+///
+///     first order    y = s + gain e,                           s += 2 (y - s)
+///     second order   v = a1 band + a2 e,   y = s + a2 band + a3 e,
+///                    band += 2 (v - band), s += 2 (y - s)       where s is `low`
+struct ButterworthFactors {
+  struct Section {
+    double a1, a2, a3;
+  };
+  double first_order_gain = 0.0;  // of the first section where the order is odd
+  std::vector<Section> sections;
+};
+/// Errors: SettingError, as the filter's.
+GAUNTLET_API ButterworthFactors FactorsOf(const ButterworthConfig& config, double rate_hz);
 
 }  // namespace gauntlet::controller

@@ -1,5 +1,8 @@
 #include "controller/filters/kalman_steady_filter.h"
 
+#include <optional>
+#include <variant>
+
 #include "controller/filters/check_filter.h"
 #include "controller/filters/constant_gain_filter.h"
 #include "controller/filters/filter_registry.h"
@@ -44,6 +47,29 @@ Eigen::ArrayXXd SteadyGains(const KalmanSteadyConfig& config, int channel_count,
     gains.row(i) = same_as_before
                        ? gains.row(i - 1).eval()
                        : SteadyGain(factors, q[i] / r[i], config.states).transpose().array().eval();
+  }
+  return gains;
+}
+
+std::optional<Eigen::ArrayXXd> ConstantGains(const FilterSettings& settings, int channel_count,
+                                             double rate_hz) {
+  Eigen::ArrayXXd gains = Eigen::ArrayXXd::Zero(channel_count, 3);
+  if (const auto* exponential = std::get_if<ExponentialConfig>(&settings)) {
+    gains.col(0) = exponential->alpha;
+  } else if (const auto* alpha_beta = std::get_if<AlphaBetaConfig>(&settings)) {
+    gains.col(0) = alpha_beta->alpha;
+    gains.col(1) = alpha_beta->beta;
+  } else if (const auto* with_gamma = std::get_if<AlphaBetaGammaConfig>(&settings)) {
+    gains.col(0) = with_gamma->alpha;
+    gains.col(1) = with_gamma->beta;
+    gains.col(2) = 2.0 * with_gamma->gamma;
+  } else if (const auto* kalman = std::get_if<KalmanSteadyConfig>(&settings);
+             kalman != nullptr && kalman->start == Start::kFirst) {
+    gains.leftCols(kalman->states) = SteadyGains(*kalman, channel_count, rate_hz);
+  } else if (std::holds_alternative<NoFilterConfig>(settings)) {
+    gains.col(0) = 1.0;  // passes its input on
+  } else {
+    return std::nullopt;
   }
   return gains;
 }

@@ -1,5 +1,6 @@
 #include "controller/filters/one_euro_filter.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -24,37 +25,67 @@ double Weight(double cutoff_hz, double rate_hz) {
   return 1.0 / (1.0 + rate_hz / (2.0 * std::numbers::pi * cutoff_hz));
 }
 
+/// One channel. `change`: since the value that the speed counts from.
+inline double SmoothOne(double& y, double& d, const Parameters& p, double rate_per_turn,
+                        double step, double change) {
+  // What is added keeps a long rest from subnormal numbers: no bit of any speed that counts.
+  d = d + p.derivative_weight * (change * p.rate_hz - d) + kLeastValue;
+  const double cutoff_hz = p.min_cutoff_hz + p.beta * std::abs(d);
+  y = y + step * (cutoff_hz / (cutoff_hz + rate_per_turn));
+  return y;
+}
+
 GAUNTLET_VECTORISED void Smooth(double* y, double* d, Parameters p, const double* z, double* output,
                                 int channel_count) {
   const double rate_per_turn = p.rate_hz / (2.0 * std::numbers::pi);
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     const double step = WithoutSubnormal(z[i] - y[i]);
-    // What is added keeps a long rest from subnormal numbers: no bit of any speed that counts.
-    const double derivative = d[i] + p.derivative_weight * (step * p.rate_hz - d[i]) + kLeastValue;
-    const double cutoff_hz = p.min_cutoff_hz + p.beta * std::abs(derivative);
-    const double smoothed = y[i] + step * (cutoff_hz / (cutoff_hz + rate_per_turn));
-    d[i] = derivative;
-    y[i] = smoothed;
-    output[i] = smoothed;
+    output[i] = SmoothOne(y[i], d[i], p, rate_per_turn, step, step);
+  }
+}
+
+GAUNTLET_VECTORISED void SmoothFromRaw(double* y, double* d, double* last, Parameters p,
+                                       const double* z, double* output, int channel_count) {
+  const double rate_per_turn = p.rate_hz / (2.0 * std::numbers::pi);
+  GAUNTLET_CHANNEL_LOOP
+  for (int i = 0; i < channel_count; ++i) {
+    const double step = WithoutSubnormal(z[i] - y[i]);
+    const double change = WithoutSubnormal(z[i] - last[i]);
+    last[i] = z[i];
+    output[i] = SmoothOne(y[i], d[i], p, rate_per_turn, step, change);
   }
 }
 
 class OneEuroFilter final : public RecursiveFilter {
  public:
   OneEuroFilter(const OneEuroConfig& config, int channel_count, double rate_hz)
-      : RecursiveFilter(2, channel_count),
+      : RecursiveFilter(IsRaw(config) ? 3 : 2, channel_count),
+        is_raw_(IsRaw(config)),
         parameters_{rate_hz, config.min_cutoff_hz, config.beta,
                     Weight(config.derivative_cutoff_hz, rate_hz)} {}
 
  private:
-  enum State { kY, kDerivative };
+  enum State { kY, kDerivative, kLastSample };
 
-  void StepAll(const double* input, double* output) noexcept override {
-    Smooth(state(kY), state(kDerivative), parameters_, input, output, channel_count());
+  static bool IsRaw(const OneEuroConfig& config) {
+    return config.speed_from == OneEuroConfig::SpeedFrom::kRaw;
   }
-  void SettleAt(int channel, double value) noexcept override { state(kY)[channel] = value; }
+  void StepAll(const double* input, double* output) noexcept override {
+    const int n = channel_count();
+    if (is_raw_) {
+      SmoothFromRaw(state(kY), state(kDerivative), state(kLastSample), parameters_, input, output,
+                    n);
+    } else {
+      Smooth(state(kY), state(kDerivative), parameters_, input, output, n);
+    }
+  }
+  void SettleAt(int channel, double value) noexcept override {
+    state(kY)[channel] = value;
+    if (is_raw_) state(kLastSample)[channel] = value;
+  }
 
+  bool is_raw_;
   Parameters parameters_;
 };
 
@@ -71,6 +102,12 @@ void OneEuroConfig::Visit(SettingsVisitor& visitor) {
   visitor.Number(
       {"derivative_cutoff_hz", "cutoff frequency of the speed's own low pass", 1e-6, 1e6},
       derivative_cutoff_hz);
+  static constexpr std::array<std::string_view, 2> kNames = {"filtered", "raw"};
+  VisitEnum(visitor,
+            {"speed_from",
+             "what the speed counts from; filtered: the last filtered value; raw: the last sample, "
+             "as MediaPipe and older copies of the filter"},
+            kNames, speed_from);
 }
 
 std::unique_ptr<Filter> MakeFilter(const OneEuroConfig& config, int channel_count, double rate_hz) {

@@ -61,6 +61,8 @@ std::vector<FilterCase> FilterCases() {
   }
   add("savitzky_golay_cubic", SavitzkyGolayConfig{.window = 40, .order = 3});
   add("one_euro_tuned", OneEuroConfig{.beta = 0.01});
+  add("one_euro_from_raw",
+      OneEuroConfig{.beta = 0.01, .speed_from = OneEuroConfig::SpeedFrom::kRaw});
   add("jerk_limit_slow",
       JerkLimitConfig{
           .max_velocity_per_s = 3e3, .max_acceleration_per_s2 = 5e4, .max_jerk_per_s3 = 2e6});
