@@ -19,12 +19,14 @@
 #include "sim/base/output_file.h"
 #include "sim/base/signal.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/export_lines.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/hand/hand_model.h"
 #include "sim/hand/mjcf_export.h"
 #include "sim/results/table_text.h"
+#include "sim/settings/libraries/library.h"
 #include "sim/settings/robot_constants.h"
 #include "sim/settings/robot_file.h"
 #include "sim/study/made_with.h"
@@ -38,6 +40,12 @@
 namespace gauntlet::sim {
 namespace {
 
+std::vector<std::string> LibraryNames() {
+  std::vector<std::string> names;
+  for (const Library& library : Libraries()) names.emplace_back(library.name);
+  return names;
+}
+
 struct ExportOptions {
   static constexpr auto kName = "export";
   static constexpr auto kPurpose = "Write a controller for the robot, or the hand";
@@ -50,6 +58,7 @@ struct ExportOptions {
   bool mjcf = false;
   bool settle = false;
   double tick_rate_hz = 0.0;  // 0: as in the trials
+  LinesRequest lines;         // its library is empty without --for
 
   Options Rows() {
     return {
@@ -69,6 +78,15 @@ struct ExportOptions {
         Option("--tick-rate-hz", &tick_rate_hz, {.value = "HZ"},
                "steps per second of the robot's loop [as in the trials: the glove's rate times a "
                "whole number, about 1000]"),
+        Option("--for", &lines.library,
+               {.choices = LibraryNames(),
+                .excludes = {"--text", "--embedded", "--mjcf", "--tick-rate-hz"}},
+               "print the filter alone, as lines of this library or language"),
+        UnitOption(lines.unit, {"deg", "rad", "counts"},
+                   "unit of the signal there, with --for [counts of a glove recorded in counts, "
+                   "else deg]"),
+        Option("--channel", &lines.channel, {.offer = Offer::kChannels, .needs = {"--for"}},
+               "the channel whose settings and scale the lines have [all]"),
     };
   }
 
@@ -85,10 +103,15 @@ needs no whole number of steps between two samples.
 --mjcf writes no controller but the hand, for simulation without Gauntlet. Its cables are spatial
 tendons of MuJoCo with an actuator each; meshes stand beside the file in a folder of its name.
 
+With --for the filter is printed (with --out, written) for a program outside Gauntlet: at the rate
+of the scenario, with the version of the library and what differs there. A filter that the library
+does not have is an error that names the best one of the folder that it has, with its scores.
+
 Examples:
   gauntlet export out/door_opening --controller tuned_kalman --out robot.yaml
   gauntlet export out/door_opening --mjcf --out hand.xml
   gauntlet export out/door_opening --controller tuned_kalman --embedded --settle
+  gauntlet export out/my_hand --controller one_euro --for oneeurofilter
 )";
 };
 
@@ -252,6 +275,21 @@ std::vector<std::string> Adapt(const ExportOptions& options, controller::RobotCo
   return notes;
 }
 
+void PrintLines(const Scenario& scenario, const ExportOptions& options) {
+  LinesRequest request = options.lines;
+  request.folder = options.folder;
+  request.controller = options.controller;
+  const std::string lines = LinesOf(scenario, request);
+  if (options.out.empty()) {
+    PrintText(lines);
+    return;
+  }
+  const std::filesystem::path target = TargetOf(options);
+  MakeDirectoryOf(target);
+  WriteOutputFile(target, lines);
+  Say("wrote {}\n", target.string());
+}
+
 void RunExport(const ExportOptions& options) {
   if (options.controller.empty() && !options.mjcf) {
     throw UserError("--controller is required; see gauntlet export --help");
@@ -265,6 +303,14 @@ void RunExport(const ExportOptions& options) {
                      .key = "filter",
                      .problem = "is a program (kind external), which a robot's file cannot "
                                 "contain; must be a filter of Gauntlet"});
+  }
+  if (!options.lines.library.empty()) {
+    WarnIfUnchecked(options.folder, manifest.exists());
+    PrintLines(scenario, options);
+    return;
+  }
+  if (!options.lines.unit.empty()) {
+    throw UserError({.place = "--unit " + options.lines.unit, .problem = "needs --for"});
   }
   const HandModel hand(scenario.hand, TimingOf(scenario));
   WarnIfUnchecked(options.folder, manifest.exists());

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "controller/number.h"
-#include "sim/study/study.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -115,28 +114,6 @@ FilterSearch SearchOf(const controller::ExternalConfig&, const FilterInput&) {
 }
 
 }  // namespace
-
-FilterInput InputOf(const Scenario& scenario, const controller::ControllerConfig& config) {
-  const controller::Timing timing = TimingOf(scenario).controller;
-  FilterInput input;
-  input.rate_hz = config.filter_at == controller::FilterAt::kEvent ? timing.event_rate_hz()
-                                                                   : timing.sample_rate_hz();
-  if (config.filter_on == controller::FilterOn::kAngle) return input;
-  const controller::GloveCalibration glove = NominalCalibration(scenario.glove);
-  double sum = 0.0;
-  for (std::size_t c = 0; c < glove.channel_names.size(); ++c) {
-    sum += std::abs((glove.high_counts[c] - glove.low_counts[c]) /
-                    (glove.high_angle_rad[c] - glove.low_angle_rad[c]));
-  }
-  input.unit_per_rad = sum / static_cast<double>(glove.channel_names.size());
-  return input;
-}
-
-int PowerOfInput(std::string_view kind, std::string_view key) {
-  if (kind == "one_euro" && key == "beta") return -1;
-  if (kind == "jerk_limit") return 1;
-  return key == "q" || key == "r" ? 2 : 0;
-}
 
 FilterSearch SearchOf(const controller::FilterConfig& filter, const FilterInput& input) {
   return std::visit([&input](const auto& config) { return SearchOf(config, input); },

@@ -21,6 +21,7 @@
 #include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_tree.h"
 #include "sim/study/scenario/included_controllers.h"
+#include "sim/study/scenario/like_filters.h"
 #include "sim/study/scenario/removed_settings.h"
 #include "sim/study/scenario/scenario.h"
 #include "sim/study/scenario/set_option.h"
@@ -334,6 +335,7 @@ Repetitions AllRepetitions(const ScenarioText& text, const Overrides& overrides,
     YamlNode root;
     const YamlSource of_this = TreeOf(text, overrides, lists, i, root);
     TakeAutoHorizons(root);
+    TakeLikeFilters(root, of_this);
     repetitions.gloves.push_back(ReadScenario(lists, i, root, of_this).glove);
   }
   CheckRepetitions(lists, repetitions, source);
@@ -356,9 +358,11 @@ Scenario ParseScenario(const ScenarioText& text, const std::vector<std::string>&
   YamlSource source;
   const RepeatedSettings lists = FirstTreeOf(text, overrides, root, source);
   const std::vector<AutoHorizon> auto_horizons = TakeAutoHorizons(root);
+  const std::vector<LikeFilter> like_filters = TakeLikeFilters(root, source);
   Scenario scenario = ReadScenario(lists, 0, root, source);
   CheckNames(root, source, scenario);
   FillControllers(root, source, auto_horizons, scenario);
+  UseLikeFilters(like_filters, source, scenario);
   PlacePrograms(source, scenario);
   CheckBaseline(root, source, scenario);
   CheckPriority(root, source, scenario);
