@@ -296,6 +296,7 @@ controllers:
 | `oneeurofilter`, `1eurofilter` | `mincutoff`, `beta`, `dcutoff`, `unit` |
 | `mediapipe` | `frequency` (of the first step alone), `min_cutoff`, `beta`, `derivate_cutoff`, `disable_value_scaling`, `unit` |
 | `dex-retargeting` | `low_pass_alpha`, `rate_hz`: the rate of the program that has it, if it is not the glove's |
+| `scipy` | `N`, `Wn`, `fs` of `butter()`: without `fs`, `Wn` is a share of half the glove's rate |
 
 - `unit` (deg, rad or counts) is that of the signal which `beta` is for. It must be given where `beta` is not 0.
 - `disable_value_scaling` must be true. By default MediaPipe divides the speed by the size of the hand in the image,

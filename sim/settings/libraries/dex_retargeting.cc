@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "sim/settings/libraries/library.h"
-#include "sim/settings/libraries/one_euro_like.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -35,6 +35,12 @@ class LikeSettings {
   virtual std::string unit() const { return ""; }
 };
 
+/// For Library::like.
+template <class Like>
+std::unique_ptr<LikeSettings> MakeLike() {
+  return std::make_unique<Like>();
+}
+
 /// A library of filters, or a language for one that is written out.
 struct Library {
   std::string_view name;     // of `export --for` and of `like`

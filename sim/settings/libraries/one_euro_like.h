@@ -1,18 +1,12 @@
 #pragma once
 
 #include <array>
-#include <memory>
 #include <string>
 #include <string_view>
 
 #include "sim/settings/libraries/library.h"
 
 namespace gauntlet::sim {
-
-template <class Like>
-std::unique_ptr<LikeSettings> MakeLike() {
-  return std::make_unique<Like>();
-}
 
 /// Settings of a library's 1 euro filter, whose keys are its own.
 class OneEuroLike : public LikeSettings {

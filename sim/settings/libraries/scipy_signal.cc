@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 
 #include "sim/settings/libraries/library.h"
@@ -47,6 +48,38 @@ std::string ScipyLines(const PlainFilter& filter) {
   return "import numpy as np\nfrom scipy import signal\n\ndef smooth(samples):\n" + lines;
 }
 
+/// Arguments of scipy.signal.butter().
+class ButterLike final : public LikeSettings {
+ public:
+  void Visit(controller::SettingsVisitor& visitor) override {
+    visitor.Integer({.key = "N", .help = "order", .min = 1, .max = 8, .required = true}, order_);
+    visitor.Number({.key = "Wn",
+                    .help = "cutoff frequency, in Hz with fs, else as a share of half the rate",
+                    .min = 0,
+                    .max = 1e6,
+                    .required = true,
+                    .open_range = true},
+                   cutoff_);
+    visitor.Number({"fs", "rate of the samples; 0: Wn is a share", 0, 1e6}, rate_hz_);
+  }
+  controller::FilterSettings At(double rate_hz) const override {
+    const bool is_share = rate_hz_ == 0.0;
+    const double end = is_share ? 1.0 : 0.5 * std::min(rate_hz_, rate_hz);
+    if (!(cutoff_ < end)) {
+      throw controller::SettingError(
+          "Wn", fmt::format("is {:g}, must be below {:g}{}", cutoff_, end,
+                            is_share ? ", which is half the rate, without fs" : " Hz"));
+    }
+    return controller::ButterworthConfig{.order = order_,
+                                         .cutoff_hz = is_share ? cutoff_ * 0.5 * rate_hz : cutoff_};
+  }
+
+ private:
+  int order_ = 2;
+  double cutoff_ = 0.1;
+  double rate_hz_ = 0.0;
+};
+
 }  // namespace
 
 Library ScipySignal() {
@@ -60,7 +93,7 @@ Library ScipySignal() {
                           "window: give the last good sample again.",
                           "savgol_filter() and filtfilt() look ahead: these lines do not."},
           .lines = ScipyLines,
-          .like = nullptr};
+          .like = MakeLike<ButterLike>};
 }
 
 }  // namespace gauntlet::sim

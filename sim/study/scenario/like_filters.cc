@@ -1,7 +1,6 @@
 #include "sim/study/scenario/like_filters.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <utility>
@@ -49,11 +48,6 @@ LikeFilter Read(const std::string& controller, std::size_t index, std::string pa
     YamlReader reader(node, filter.path, source);
     keys.Visit(reader);
     reader.RejectUnknownKeys();
-    if (std::ranges::find(library.kinds, filter.kind) == library.kinds.end()) {
-      throw controller::SettingError("kind",
-                                     fmt::format("is {}, must be {} with like: {}", filter.kind,
-                                                 fmt::join(library.kinds, " or "), filter.library));
-    }
   } catch (const controller::SettingError& error) {
     throw source.At(ChildOf(node, error.key()),
                     controller::SettingError(filter.path + "." + error.key(), error.problem()));
@@ -74,12 +68,17 @@ bool IsLike(const YamlNode& node) { return ChildOf(node, "like").IsDefined(); }
 
 /// Settings for the unit of the input: for each channel where their scales differ.
 void UseScales(const Scenario& scenario, const controller::ControllerConfig& config,
-               const LikeSettings& like, controller::FilterConfig& filter) {
+               const LikeSettings& like, const std::string& given_kind,
+               controller::FilterConfig& filter) {
   const auto scaled = [&](std::optional<int> channel) {
     const FilterInput input = InputOf(scenario, config, channel);
     return WithInputUnit(like.At(input.rate_hz), 1.0 / input.FactorTo(like.unit()));
   };
   filter.settings = scaled({});
+  const std::string_view kind = controller::KindName(filter.settings);
+  if (kind != given_kind) {
+    throw controller::SettingError("kind", fmt::format("is {}, must be {}", given_kind, kind));
+  }
   if (!filter.channels.empty() ||
       !std::holds_alternative<controller::OneEuroConfig>(filter.settings))
     return;
@@ -128,7 +127,8 @@ void UseLikeFilters(const std::vector<LikeFilter>& filters, const YamlSource& so
         std::ranges::find(scenario.controllers, like.controller, &NamedController::name);
     if (named == scenario.controllers.end()) continue;
     try {
-      UseScales(scenario, named->config, *like.settings, named->config.filters[like.index]);
+      UseScales(scenario, named->config, *like.settings, like.kind,
+                named->config.filters[like.index]);
     } catch (const controller::SettingError& error) {
       const YamlNode& key = ChildOf(like.node, error.key());
       throw source.At(key.IsDefined() ? key : like.node,
