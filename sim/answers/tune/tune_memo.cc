@@ -2,13 +2,13 @@
 
 #include <bit>
 #include <cstdint>
-#include <fstream>
 #include <utility>
 #include <vector>
 
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/json.h"
+#include "sim/base/limited_text.h"
 #include "sim/base/output_file.h"
 #include "sim/study/elsewhere.h"
 #include "sim/study/scenario/scenario_reader.h"
@@ -99,9 +99,8 @@ void TuneMemo::Write(const std::filesystem::path& file) const {
 }
 
 void TuneMemo::Add(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
   try {
-    const Json json = Json::parse(stream);
+    const Json json = Json::parse(LimitedText(file, kMostScoreBytes));
     if (json.at("identity").get<std::string>() != identity_) throw RunError(kOtherBuild);
     for (const Json& entry : json.at("settings")) {
       Keep(entry[0].get<std::string>(), FromJson(entry[1]));
