@@ -21,7 +21,7 @@ struct GAUNTLET_API RobotProblem {
 /// which most often is an angle in degrees. Allocates.
 GAUNTLET_API std::vector<RobotProblem> Validate(const RobotConfig& robot);
 
-/// The same as a line: `key: problem`, behind `warning: ` where it is one.
+/// Line of a problem: `key: problem`, behind `warning: ` where it is one.
 GAUNTLET_API std::string TextOf(const RobotProblem& problem);
 
 }  // namespace gauntlet::controller

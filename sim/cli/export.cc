@@ -248,7 +248,7 @@ void WriteMjcf(const Scenario& scenario, const HandModel& hand,
   Say("wrote {}\n", target.string());
 }
 
-/// What the robot's loop and its processor ask for; a note for each change.
+/// Changes `robot` to the loop and the processor of the options; a note for each change.
 std::vector<std::string> Adapt(const ExportOptions& options, controller::RobotConfig& robot) {
   std::vector<std::string> notes;
   controller::Timing& timing = robot.timing;
