@@ -210,6 +210,10 @@ void TrimSignals() {
   // Too few bytes to exceed the limit.
   if (bytes_on_disk.load(std::memory_order_relaxed) <= limits.resident_bytes / 2) return;
   if (ResidentFileBytes() <= limits.resident_bytes) return;
+  ReleaseSignals();
+}
+
+void ReleaseSignals() {
   const std::lock_guard lock(TheMappings().mutex);
   // For a shared mapping of a file, this releases the pages and keeps the content.
   for (const auto& [place, bytes] : TheMappings().bytes) madvise(place, bytes, MADV_DONTNEED);

@@ -65,5 +65,7 @@ SignalSpace FreeSignalSpace();
 /// system loads them again when needed. Loops over long signals call it every few megabytes, from
 /// any thread; without long signals it costs almost nothing.
 void TrimSignals();
+/// Releases it however little they use: for a program that shall not grow while it runs.
+void ReleaseSignals();
 
 }  // namespace gauntlet::sim

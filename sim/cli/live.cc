@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -24,6 +25,7 @@
 #include "sim/live/live_report.h"
 #include "sim/live/live_session.h"
 #include "sim/live/server/live_server.h"
+#include "sim/live/session_recording.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/show/pages/live_page.h"
 #include "sim/study/scenario/scenario_reader.h"
@@ -229,12 +231,31 @@ void ThrowIfFailed(const LiveFacts& facts, const HandHealth& health) {
   }
 }
 
-/// A place for a recording: a session cannot be repeated, so none replaces another.
-const std::filesystem::path& NewRecording(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file)) return file;
-  throw UserError({.place = file.string(),
-                   .problem = "exists already, and a recording is not replaced; --record or --out "
-                              "names another place"});
+/// Writes the results of a session: all of them, or where that fails its measurements alone.
+/// Returns the failure. Its samples are on the disk already.
+std::exception_ptr WriteResults(OutputFiles& files, const std::string& json,
+                                const std::filesystem::path& counts,
+                                const std::optional<FinishedStudy>& finished) {
+  std::exception_ptr failure;
+  for (const bool has_all : {true, false}) {
+    try {
+      files.Write([&](const std::filesystem::path& place) {
+        WriteOutputFile(place / "live.json", json);
+        if (!counts.empty()) std::filesystem::copy_file(counts, place / "counts.csv");
+        if (finished && has_all) WriteSession(place, *finished);
+      });
+      files.Commit();
+      return failure;
+    } catch (const RunError&) {
+      if (!failure) failure = std::current_exception();
+    } catch (const std::filesystem::filesystem_error& error) {
+      if (!failure) {
+        failure = std::make_exception_ptr(
+            RunError(fmt::format("{}: cannot write: {}", counts.string(), error.code().message())));
+      }
+    }
+  }
+  return failure;
 }
 
 void RunLiveCommand(const LiveCommand& command) {
@@ -319,15 +340,24 @@ void RunLiveCommand(const LiveCommand& command) {
   const std::filesystem::path recording = command.record.empty()
                                               ? folder.path() / "recording.csv"
                                               : std::filesystem::path(command.record);
-  std::optional<OutputFile> recording_file;
-  if (glove_address || !command.record.empty()) recording_file.emplace(NewRecording(recording));
-  SayHow(setup, wanted);
+  const bool has_recording = glove_address || !command.record.empty();
   LiveView view(study.calibration.channel_names.size(), study.hand->joint_names().size());
   if (command.page != kNoPage) setup.view = &view;
+  // Only who watches may mark the hand still, and only then the counts are asked for.
+  const RecordingPlaces places{.angles = has_recording ? recording : std::filesystem::path(),
+                               .counts = command.page != kNoPage
+                                             ? folder.path() / "counts.unfinished.csv"
+                                             : std::filesystem::path()};
+  std::optional<SessionRecording> samples;
+  if (has_recording || command.page != kNoPage) {
+    samples.emplace(study.calibration, 1.0 / study.scenario.glove.rate_hz, places);
+  }
+  if (samples) setup.recording = &*samples;
+  SayHow(setup, wanted);
   LiveResult result;
   {
     const EndsAtSecondSignal gently;
-    const auto server = ServePage(command, study, setup, recording_file ? recording.string() : "");
+    const auto server = ServePage(command, study, setup, has_recording ? recording.string() : "");
     result = RunLive(setup);
   }
   if (!result.columns_remark.empty()) Say("gauntlet: {}\n", result.columns_remark);
@@ -336,17 +366,13 @@ void RunLiveCommand(const LiveCommand& command) {
   context.converters = controller::ConvertersOf(study.calibration);
   const bool has_counts = !result.facts.still.empty();
   const LiveRecord record{.setup = &setup, .study = &study, .source = &source};
-  if (recording_file) WriteRecording(record, result, *recording_file);
   LiveOutcome outcome = ScoreSession(record, recording, folder.path(), result);
   if (!outcome.remark.empty()) Say("gauntlet: {}\n", outcome.remark);
   const std::string json = LiveJson(result.facts, context, outcome.shadows).dump(1) + "\n";
-  files.Write([&](const std::filesystem::path& place) {
-    WriteOutputFile(place / "live.json", json);
-    if (has_counts) WriteOutputFile(place / "counts.csv", CountsText(record, result));
-    if (outcome.finished) WriteSession(place, *outcome.finished);
-  });
-  files.Commit();
-  folder.Keep();
+  const std::exception_ptr failure = WriteResults(
+      files, json, has_counts ? places.counts : std::filesystem::path(), outcome.finished);
+  if (!failure) folder.Keep();
+  if (!failure && !places.counts.empty()) std::filesystem::remove(places.counts);
   ResultText text = LiveText(result.facts, context);
   if (!outcome.shadows.empty()) {
     for (auto& part : ShadowText(outcome.shadows, outcome.finished->result.reference_name)) {
@@ -361,10 +387,15 @@ void RunLiveCommand(const LiveCommand& command) {
     PrintText(report);
     FlushOutput();
   }
+  if (failure) {
+    if (!result.recorded.problem.empty()) Say("gauntlet: {}\n", result.recorded.problem);
+    std::rethrow_exception(failure);
+  }
   Say("wrote {}: live.json{}{}{}\n", folder.path().string(), has_counts ? ", counts.csv" : "",
       outcome.finished ? ", report.html, scores.json, scores.csv, trace.h5, scenario.resolved.yaml"
                        : "",
-      recording_file ? "; " + recording.string() : "");
+      has_recording ? "; " + recording.string() : "");
+  if (!result.recorded.problem.empty()) throw RunError(result.recorded.problem);
   ThrowIfFailed(result.facts, result.trace.health);
   for (std::size_t i = 0; i < libraries.size(); ++i) {
     if (libraries[i].ok()) continue;

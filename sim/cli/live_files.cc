@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -21,50 +20,6 @@ namespace gauntlet::sim {
 namespace {
 
 using Index = Eigen::Index;
-
-/// The rows of a recording of the session: those of a real glove, or the first samples of the
-/// simulated one.
-struct RecordedRows {
-  std::vector<double> time_s;
-  std::vector<double> counts;  // row by row
-};
-
-RecordedRows RowsOf(const LiveRecord& record, const LiveResult& result) {
-  if (record.setup->source != nullptr) return {result.recorded_time_s, result.recorded_counts};
-  const GloveSignal& glove = *record.setup->simulated_glove;
-  const Index ticks =
-      std::min(glove.true_angle_rad.rows(), Index{result.facts.ticks + result.facts.skipped_ticks});
-  RecordedRows rows;
-  for (Index row = 0; row * glove.ticks_per_sample < ticks; ++row) {
-    rows.time_s.push_back(static_cast<double>(row) / glove.rate_hz);
-    for (Index c = 0; c < glove.counts.cols(); ++c) rows.counts.push_back(glove.counts(row, c));
-  }
-  return rows;
-}
-
-/// CSV of a session's samples: the time, then of_counts(channel, counts) for each channel; an empty
-/// cell for what did not come.
-template <class OfCounts>
-std::string TableOf(const LiveRecord& record, const LiveResult& result, std::string_view unit,
-                    const OfCounts& of_counts) {
-  const std::vector<std::string>& names = record.study->calibration.channel_names;
-  const RecordedRows rows = RowsOf(record, result);
-  std::string text = "time_s";
-  for (const std::string& name : names) text.append(",").append(name).append(unit);
-  text += "\n";
-  for (std::size_t row = 0; row < rows.time_s.size(); ++row) {
-    fmt::format_to(std::back_inserter(text), "{:.6f}", rows.time_s[row]);
-    for (std::size_t c = 0; c < names.size(); ++c) {
-      const double counts = rows.counts[row * names.size() + c];
-      text.push_back(',');
-      if (!std::isnan(counts)) {
-        fmt::format_to(std::back_inserter(text), "{:.6g}", of_counts(c, counts));
-      }
-    }
-    text.push_back('\n');
-  }
-  return text;
-}
 
 void CutTrace(Index ticks, Trace& trace) {
   ForEachSignal(trace, [&](const auto&, auto& matrix) {
@@ -146,22 +101,6 @@ double TraceLength_s(double seconds, double motion_s) {
   return std::min(length_s, kMost_s);
 }
 
-void WriteRecording(const LiveRecord& record, const LiveResult& result, OutputFile& file) {
-  const controller::GloveCalibration& glove = record.study->calibration;
-  file.Write(TableOf(record, result, "_deg", [&](std::size_t c, double counts) {
-    const double angle_rad =
-        glove.low_angle_rad[c] + (counts - glove.low_counts[c]) *
-                                     (glove.high_angle_rad[c] - glove.low_angle_rad[c]) /
-                                     (glove.high_counts[c] - glove.low_counts[c]);
-    return angle_rad * kDegPerRad;
-  }));
-  file.Commit();
-}
-
-std::string CountsText(const LiveRecord& record, const LiveResult& result) {
-  return TableOf(record, result, "_counts", [](std::size_t, double counts) { return counts; });
-}
-
 LiveOutcome ScoreSession(const LiveRecord& record, const std::filesystem::path& recording,
                          const std::filesystem::path& folder, LiveResult& result) {
   LiveOutcome outcome;
@@ -172,9 +111,9 @@ LiveOutcome ScoreSession(const LiveRecord& record, const std::filesystem::path& 
   auto glove = std::make_shared<GloveSignal>();
   try {
     if (record.setup->source != nullptr) {
-      if (result.recorded_time_s.size() < 2) throw UserError("has fewer than two samples");
+      if (result.recorded.kept < 2) throw UserError("the recording has fewer than two samples");
       const double length_s =
-          std::min(static_cast<double>(rows) / rate_hz, result.recorded_time_s.back());
+          std::min(static_cast<double>(rows) / rate_hz, result.recorded.last_time_s);
       study = PrepareStudy(ScenarioOfSession(
           study.scenario, recording,
           std::floor(length_s * study.scenario.glove.rate_hz) / study.scenario.glove.rate_hz));
@@ -188,6 +127,9 @@ LiveOutcome ScoreSession(const LiveRecord& record, const std::filesystem::path& 
     study.scenario.score.Check(rate_hz, ticks);
     outcome.finished = FinishedOf(std::move(study), std::move(glove), std::move(trace));
   } catch (const UserError& error) {
+    outcome.remark = fmt::format("no scores and no trace: {}", error.what());
+    return outcome;
+  } catch (const RunError& error) {
     outcome.remark = fmt::format("no scores and no trace: {}", error.what());
     return outcome;
   } catch (const controller::SettingError& error) {

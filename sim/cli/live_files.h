@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "sim/answers/compare/summary.h"
-#include "sim/base/output_file.h"
 #include "sim/live/live_report.h"
 #include "sim/live/live_session.h"
 #include "sim/study/scenario/scenario_reader.h"
@@ -30,15 +29,6 @@ struct LiveOutcome {
 /// How much of a session its trace has: `seconds`, or the whole of a simulated motion, or the first
 /// two minutes; at most ten minutes.
 double TraceLength_s(double seconds, double motion_s);
-
-/// The samples of the glove as joint angles over time, by its calibration: `time_s`, then
-/// `NAME_deg` per channel. Every command takes such a file without a map. Errors: RunError,
-/// UserError as of OutputFile.
-void WriteRecording(const LiveRecord& record, const LiveResult& result, OutputFile& file);
-
-/// Samples as they came, in counts: `time_s`, then `NAME_counts` per channel, from which
-/// `gauntlet calibrate` takes the noise.
-std::string CountsText(const LiveRecord& record, const LiveResult& result);
 
 /// Scores of the session's trace, as of a run: against the wearer's true angles where the glove was
 /// simulated, else against the smoothed recording, whose scenario it then is. Moves the trace out

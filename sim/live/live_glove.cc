@@ -43,6 +43,7 @@ class SimulatedGlove final : public LiveGlove {
 
   std::shared_ptr<const GloveSignal> glove_;
   std::vector<double> counts_;
+  Eigen::Index recorded_ = 0;  // samples
 };
 
 SimulatedGlove::SimulatedGlove(std::shared_ptr<const GloveSignal> glove)
@@ -60,13 +61,18 @@ bool SimulatedGlove::HasEnded(std::int64_t tick) const noexcept {
   return tick >= glove_->true_angle_rad.rows();
 }
 
-std::span<const std::int32_t> SimulatedGlove::Step(const LiveTick& /*tick*/,
-                                                   HandLoop& loop) noexcept {
+std::span<const std::int32_t> SimulatedGlove::Step(const LiveTick& now, HandLoop& loop) noexcept {
   const std::int64_t tick = loop.tick();
   if (HasEnded(tick) || tick % glove_->ticks_per_sample != 0) return loop.StepController();
+  // Skipped ticks may have had samples, too.
   const Eigen::Index sample = tick / glove_->ticks_per_sample;
-  for (std::size_t c = 0; c < counts_.size(); ++c) {
-    counts_[c] = glove_->counts(sample, static_cast<Eigen::Index>(c));
+  for (; recorded_ <= sample; ++recorded_) {
+    for (std::size_t c = 0; c < counts_.size(); ++c) {
+      counts_[c] = glove_->counts(recorded_, static_cast<Eigen::Index>(c));
+    }
+    if (now.log != nullptr) {
+      now.log->AddSample(static_cast<double>(recorded_) / glove_->rate_hz, counts_);
+    }
   }
   return loop.StepController({.counts = counts_});
 }

@@ -205,16 +205,23 @@ void Session::SwitchIfAsked() noexcept {
   ++facts.switch_count;
   if (facts.switches.size() == kMostSwitches) return;  // what is reserved
   facts.switches.push_back({.time_s = Time_s(), .to = switch_.driving()});
+  log_->AddNote({.kind = SessionLog::Note::Kind::kDrives,
+                 .time_s = Time_s(),
+                 .controller = switch_.driving()});
 }
 
 void Session::MarkIfAsked() noexcept {
   if (setup_.view == nullptr) return;
   std::vector<StillTime>& still = result_.facts.still;
   const int mark = setup_.view->TakeMark();
+  if (mark == 0 && is_still_) {
+    log_->AddNote({.kind = SessionLog::Note::Kind::kMoves, .time_s = Time_s()});
+  }
   if (mark == 0 || is_ending_) is_still_ = false;
   if (mark == 1 && !is_still_ && !is_ending_ && still.size() < kMostSwitches) {  // what is reserved
     still.push_back({.begin_s = Time_s(), .end_s = Time_s()});
     is_still_ = true;
+    log_->AddNote({.kind = SessionLog::Note::Kind::kStill, .time_s = Time_s()});
   }
   if (is_still_) still.back().end_s = Time_s();
 }
@@ -317,13 +324,14 @@ void Session::RunLoop() {
   control.join();
   output_.End();
   log_->End();
+  if (setup_.recording != nullptr) result_.recorded = setup_.recording->facts();
   UnlockMemory();
 }
 
 /// Stretches within the recording, of half a second or more: shorter ones say little of noise.
 void Session::KeepStill() {
   std::vector<StillTime>& still = result_.facts.still;
-  const double last_s = result_.recorded_time_s.empty() ? Time_s() : result_.recorded_time_s.back();
+  const double last_s = result_.recorded.kept == 0 ? Time_s() : result_.recorded.last_time_s;
   for (StillTime& stretch : still) stretch.end_s = std::min(stretch.end_s, last_s);
   constexpr double kLeast_s = 0.5;
   std::erase_if(

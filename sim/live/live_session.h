@@ -14,6 +14,7 @@
 #include "sim/live/frame_channels.h"
 #include "sim/live/live_view.h"
 #include "sim/live/real_time.h"
+#include "sim/live/session_recording.h"
 #include "sim/live/stage_clock.h"
 #include "sim/live/trend.h"
 #include "sim/trial/trial.h"
@@ -40,6 +41,7 @@ struct LiveSetup {
   double trace_s = 120.0;                            // the trace ends then
   std::function<void(const std::string&)> say = {};  // a line for the user
   LiveView* view = nullptr;                          // for one who watches
+  SessionRecording* recording = nullptr;             // of the samples; null: none
 };
 
 inline constexpr std::size_t kMostSwitches = 256;  // and stretches, that are kept
@@ -113,16 +115,17 @@ struct LiveResult {
   LiveFacts facts;
   Trace trace;  // from the first sample on, a row per tick; a skipped tick repeats the row before
   std::int64_t trace_rows_left_out = 0;
-  // The samples of a real glove as they arrived: times from the first row of the trace on.
-  std::vector<double> recorded_time_s;
-  std::vector<double> recorded_counts;  // row by row, a value per channel
-  std::string columns_remark;           // of FrameChannels
+  RecordedFacts recorded;      // of LiveSetup::recording
+  std::string columns_remark;  // of FrameChannels
   std::vector<ShadowResult> shadows;
 };
 
 /// Runs a session: the loop of a trial, with time of the real clock. Threads: input (a real glove),
 /// control, output (real motors), log. The control thread neither allocates nor takes locks. Its
 /// system calls are those of its sleep, of its processor time and of waking the output thread.
+///
+/// The recording has its samples within a second, its times from the first row of the trace on. What
+/// a disk does not take is tried again, and does not end the session.
 ///
 /// A real glove is waited for. Frames that stay away, come late, repeated or in another order are
 /// decided by the receiver and the watchdog of `link.glove`; a device that vanishes may come back.

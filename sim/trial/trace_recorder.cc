@@ -18,7 +18,8 @@ TraceRecorder::TraceRecorder(Trace& trace, Eigen::Index ticks, const TraceColumn
     matrix = std::remove_reference_t<decltype(matrix)>(ticks, width);  // each row is written or cut
     if (width == 0) return;
     using Block = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-    const auto block = std::make_shared<Block>(Block::Zero(width, places_));
+    // Zeros would be memory that the system gives later, to the thread that records.
+    const auto block = std::make_shared<Block>(Block::Ones(width, places_));
     columns_.push_back(
         {.read =
              [block, read = signal.read](const HandLoop& loop, Eigen::Index row) {

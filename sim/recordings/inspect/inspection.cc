@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <numeric>
 #include <set>
@@ -15,6 +16,7 @@
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
+#include "sim/base/unfinished_mark.h"
 #include "sim/recordings/column_map.h"
 #include "sim/recordings/column_scale.h"
 #include "sim/recordings/envelope.h"
@@ -693,6 +695,11 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
       ReadTable(time, inspection.columns, inspection.hand, reader, midnight, groups, senders);
   inspection.is_whole = *is_whole;
   if (midnight.midnights() > 0) inspection.remarks.emplace_back(kPastMidnight);
+  std::error_code ignored;
+  if (std::filesystem::exists(UnfinishedMark(file), ignored)) {
+    inspection.remarks.emplace_back(
+        "its session runs, or was killed: at most the last second of it is missing");
+  }
   for (const std::string& remark : reader.remarks()) inspection.remarks.push_back(OneLine(remark));
   for (const RowGroups& group : groups) {
     const std::string& name = inspection.columns[group.column()].name;
