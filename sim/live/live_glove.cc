@@ -207,7 +207,11 @@ bool DeviceGlove::MayGetNames(const DeviceFrame& frame) {
 void DeviceGlove::Read(const std::stop_token& stop) {
   RaisePriority(kInputPriority);
   constexpr auto kLook = std::chrono::milliseconds(20);
+  constexpr std::int64_t kPatience_ns = 3 * kNanosecondsPerSecond;
+  std::int64_t patience_end_ns = MonotonicNow_ns() + kPatience_ns;
+  constexpr std::int64_t kNever_ns = std::numeric_limits<std::int64_t>::max();
   const auto take = [&](const DeviceFrame& frame) {
+    patience_end_ns = kNever_ns;
     if (MayGetNames(frame)) return;
     if (!rate_has_begun_ && has_begun_.load(std::memory_order_relaxed)) {
       rate_has_begun_ = true;
@@ -226,6 +230,11 @@ void DeviceGlove::Read(const std::stop_token& stop) {
   try {
     while (!stop.stop_requested() &&
            setup_.source->Wait(kLook, take) != FrameSource::State::kEnded) {
+      if (MonotonicNow_ns() < patience_end_ns) continue;
+      patience_end_ns = kNever_ns;
+      if (!setup_.say) continue;
+      setup_.say(
+          fmt::format("no frame yet from {}; {}", source_, setup_.source->AdviceWithoutFrames()));
     }
   } catch (...) {
     error_ = std::current_exception();
@@ -256,7 +265,6 @@ bool DeviceGlove::WaitForFirst() {
   const auto end_ns = setup_.seconds > 0.0
                           ? begin_ns + static_cast<std::int64_t>(1e9 * setup_.seconds)
                           : std::numeric_limits<std::int64_t>::max();
-  std::int64_t said_ns = begin_ns;
   constexpr auto kLook = std::chrono::milliseconds(2);
   while (true) {
     const bool has_ended = has_ended_.load(std::memory_order_acquire);
@@ -264,11 +272,6 @@ bool DeviceGlove::WaitForFirst() {
     is_silent_ = MonotonicNow_ns() >= end_ns;
     if (has_ended || StopAsked() || is_silent_) return false;
     std::this_thread::sleep_for(kLook);
-    constexpr std::int64_t kPatience_ns = 5 * kNanosecondsPerSecond;
-    if (setup_.say && said_ns != 0 && MonotonicNow_ns() - said_ns > kPatience_ns) {
-      setup_.say("no frame yet from " + source_);
-      said_ns = 0;
-    }
   }
   // A queue is read faster than any glove sends.
   constexpr int kMostPerLook = 8;

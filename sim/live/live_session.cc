@@ -86,6 +86,7 @@ class Session {
   std::int64_t tier_ticks_ = 0;
   std::int64_t end_tick_ = 0;
   std::int64_t last_sample_number_ = -1;
+  std::int64_t noted_sample_ = -1;
   std::int64_t ticks_to_show_ = 0;
   std::int64_t largest_lateness_ns_ = 0;  // since the moment that was shown last
 };
@@ -268,6 +269,10 @@ void Session::Tick(const PeriodicWake& wake, const PeriodicWake::Woken& woken) n
       .wake = wake, .woken_ns = woken_ns, .log = is_ending_ ? nullptr : log_.get()};
   std::span<const std::int32_t> frame = glove_->StepController(tick, loop_);
   NoteQueue();
+  if (glove_->sample().number != noted_sample_) {
+    noted_sample_ = glove_->sample().number;
+    rest_.NoteSample(woken_ns);
+  }
   if (output_.has_motors()) frame = rest_.Frame(loop_.tick(), frame, MayFollow());
   if (!frame.empty()) SendCommand(frame);
   facts.step_cpu.Add(NowOf_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_begin_ns);

@@ -239,6 +239,52 @@ def test_motors_without_a_listener_do_not_end_it(place):
     check(step <= RETURN_STEP, f"motors without a sink move by {step} counts")
 
 
+def test_bytes_that_are_no_frames_are_named(place):
+    """As of another baud rate."""
+    place.parent.mkdir(exist_ok=True)
+    device = SerialDevice(place.parent / "glove", False)
+    session = live(place, "--glove", f"serial:{place.parent / 'glove'}", "--motors", "none", "--seconds", "5", *SMALL_GLOVE)
+    noise = random.Random(1)
+    while session.poll() is None:
+        os.write(device.end, bytes(noise.choice(b"\x80\xe6\xf8\xfexy~") for _ in range(50)))
+        time.sleep(0.02)
+    _, err = finish(session, exit_code=1)
+    device.unplug()
+    for line in err.splitlines()[-2:]:
+        check("bytes arrived, and none is a frame" in line and "another baud rate" in line and "they begin with '" in line,
+              err)
+    check("no frame yet" in err.splitlines()[-2] and all(letter.isprintable() or letter == "\n" for letter in err), err)
+
+
+def test_a_return_is_slow_whatever_watches_the_link(place):
+    for watchdog in ("tiers", "none"):
+        motors = Motors()
+        port = free_port()
+        more = ["--set", "link.glove.watchdog.kind=none"] if watchdog == "none" else []
+        session = live(place / watchdog, "--glove", f"udp:127.0.0.1:{port}", "--motors", motors.address, *SMALL_GLOVE, *more)
+        way = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+
+        def send(counts, seconds):
+            for number in range(int(100 * seconds)):
+                way.sendto(b"index_mcp_counts,middle_mcp_counts\n%d,%d\n" % (counts, counts), ("127.0.0.1", port))
+                time.sleep(0.01)
+
+        send(200, 2.0)
+        time.sleep(0.6)
+        back = len(motors.frames)
+        send(900, 2.0)
+        session.send_signal(signal.SIGINT)
+        finish(session)
+        frames = motors.end()
+        way.close()
+        moved = 0
+        for (number, before), (following, after) in zip(frames[back:], frames[back + 1:]):
+            step = max(abs(b - a) for a, b in zip(before, after))
+            check(step <= RETURN_STEP * (following - number), f"{watchdog}: {step} counts in a frame after a gap")
+            moved = max(moved, max(abs(b - a) for a, b in zip(frames[back][1], after)))
+        check(moved > 300, f"{watchdog}: the motors did not follow again")
+
+
 def test_columns_that_are_not_the_glove_are_asked_for(place):
     session = live(place, "--glove", "stdin", *SMALL_GLOVE)
     _, err = finish(session, exit_code=2, text="1,2,3\n4,5,6\n7,8,9\n")
@@ -282,6 +328,47 @@ class SerialDevice(threading.Thread):
         os.close(self.device)
         os.close(self.end)
         return self.got
+
+
+def test_own_glove_over_a_serial_line_in_each_format(place):
+    place.mkdir()
+
+    def pair(name):
+        end, device = pty.openpty()
+        tty.setraw(device)
+        (place / name).symlink_to(os.ttyname(device))
+        return end, device
+
+    def relay(begin, end, ends):
+        while not ends.is_set():
+            if select.select([begin], [], [], 0.05)[0]:
+                os.write(end, os.read(begin, 65536))
+
+    runs = []
+    for text in ("csv", "labels", "json", "binary"):
+        (begin, near), (end, far) = pair(text + "_glove"), pair(text + "_live")
+        ends = threading.Event()
+        way = threading.Thread(target=relay, args=(begin, end, ends), daemon=True)
+        way.start()
+        glove = subprocess.Popen([PROGRAM, "glove", "random_motion", "--to", f"serial:{place / text}_glove", "--format", text,
+                                  "--seconds", "30", "--set", "glove.rate_hz=100"], stderr=subprocess.DEVNULL)
+        session = live(place / text, "--glove", f"serial:{place / text}_live", "--motors", "none", "--seconds", "3", "--set",
+                       "glove.rate_hz=100")
+        runs.append((text, glove, session, way, ends, (begin, near, end, far)))
+    for text, glove, session, way, ends, files in runs:
+        finish(session)
+        glove.send_signal(signal.SIGTERM)
+        glove.wait(10)
+        ends.set()
+        way.join(1.0)  # it waits until there is room, of which none comes behind the session
+        for file in files[1::2]:
+            os.close(file)
+        frames = facts_in(place / text)["frames"]
+        check(frames["frames"] > 200 and frames["lost"] == 0 and frames["garbage"] == 0, f"{text}: {frames}")
+        rows = (place / text / "recording.csv").read_text().splitlines()
+        check(len(rows) > 200 and all(len(row.split(",")) == 19 and ",," not in row for row in rows), f"{text}: {rows[:2]}")
+        angles = [float(row.split(",")[5]) for row in rows[1:]]
+        check(-45 < min(angles) < max(angles) - 5 < 115, f"{text}: {min(angles)} to {max(angles)} deg")
 
 
 def commands_of_lines(text):

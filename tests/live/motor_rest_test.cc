@@ -20,7 +20,7 @@ class Motors {
   Motors() : rest_({}, test::TwoMotors(), kTickOf1Ms) { rest_.Reset(std::vector{500, 500}); }
 
   void Run(int ticks, bool may_follow, bool has_commands = true) {
-    const std::vector<std::int32_t> wanted = {900, 500};
+    const std::vector<std::int32_t> wanted = {wanted_, 500};
     for (int end = tick_ + ticks; tick_ < end; ++tick_) {
       const bool is_due = has_commands && tick_ % 20 == 0;
       const auto sent = rest_.Frame(
@@ -33,6 +33,7 @@ class Motors {
   }
 
   MotorRest rest_;
+  std::int32_t wanted_ = 900;
   int tick_ = 0;
   int place_ = 500;
   int most_per_frame_ = 0;
@@ -53,6 +54,29 @@ TEST(MotorRest, LetsMotorsFollowAndRestAtALimitedSpeedOnly) {
   const double fastest_deg_s = std::max(limits.return_deg_s, limits.relax_deg_s);
   EXPECT_LE(motors.most_per_frame_, 1.0 + 1000.0 * fastest_deg_s * controller::kRadPerDeg * 0.02);
   EXPECT_EQ(motors.rest_.rests(), 1);
+}
+
+// Wrong: a gap that no watchdog watches ends with a jump of 400 counts.
+TEST(MotorRest, LimitsTheSpeedBehindAGapOfTheSamples) {
+  constexpr std::int64_t kTick_ns = 1'000'000;
+  Motors motors;
+  motors.rest_.NoteSample(kTick_ns);
+  motors.wanted_ = 500;
+  motors.Run(4000, true);
+  for (const int gap_ms : {45, 55}) {
+    motors.most_per_frame_ = 0;
+    motors.wanted_ = 500;
+    motors.Run(4000, true);
+    const std::int64_t now_ns = motors.tick_ * kTick_ns;
+    motors.rest_.NoteSample(now_ns - gap_ms * kTick_ns);
+    motors.Run(4000, true);
+    motors.wanted_ = 900;
+    motors.most_per_frame_ = 0;
+    motors.rest_.NoteSample(now_ns);
+    motors.Run(4000, true);
+    EXPECT_EQ(motors.place_, 900);
+    EXPECT_EQ(motors.most_per_frame_ == 400, gap_ms == 45) << motors.most_per_frame_;
+  }
 }
 
 TEST(MotorRest, GoesOnToRestWithoutCommandsOfTheLoop) {

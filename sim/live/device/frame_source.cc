@@ -163,6 +163,8 @@ class DecodedSource : public FrameSource {
         reopened_ = device_->counts().reopened;
         decoder_->Restart();
       }
+      constexpr std::size_t kShown = 24;
+      beginning_ += arrived.bytes.substr(0, kShown - std::min(kShown, beginning_.size()));
       decoder_->Decode(arrived.bytes, arrived.arrival_ns, receive);
       if (device_->flow() == ByteFlow::kPackets) decoder_->EndPacket(arrived.arrival_ns, receive);
     };
@@ -196,7 +198,10 @@ class DecodedSource : public FrameSource {
   const DeviceAddress& address() const override { return address_; }
 
  private:
+  std::string Beginning() const override { return beginning_; }
+
   DeviceAddress address_;
+  std::string beginning_;
   std::unique_ptr<ByteDevice> device_;
   std::unique_ptr<FrameDecoder> decoder_;
   std::uint64_t reopened_ = 0;
@@ -224,8 +229,10 @@ std::string FrameSource::AdviceWithoutFrames() const {
   }
   const std::string reason = problem();
   return fmt::format(
-      "{} bytes arrived, and none is a frame{}; try {}a format behind a comma, as {},csv",
-      counted.bytes, reason.empty() ? "" : fmt::format(" ({})", reason),
+      "{} bytes arrived, and none is a frame{}; they begin with '{}'; try {}a format behind a "
+      "comma, "
+      "as {},csv",
+      counted.bytes, reason.empty() ? "" : fmt::format(" ({})", reason), Shown(Beginning()),
       is_serial ? "another baud rate behind @, or " : "", Shown(at.text));
 }
 

@@ -49,6 +49,10 @@ class FrameSource {
   std::string AdviceWithoutFrames() const;
 
   virtual const DeviceAddress& address() const = 0;
+
+ private:
+  /// The first bytes that arrived.
+  virtual std::string Beginning() const { return {}; }
 };
 
 /// Opens the device. Errors: UserError in one line that says what to try: no such device, a baud

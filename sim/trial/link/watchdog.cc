@@ -33,7 +33,7 @@ void Watchdog::Reset(std::span<const std::int32_t> motor_counts) {
   tier_ = Tier::kFollow;
   has_frame_ = is_returning_ = false;
   good_ = 0;
-  silent_ticks_ = ticks_to_go_ = 0;
+  silent_ticks_ = ticks_to_go_ = return_ticks_ = 0;
   if (!exists_) return;
   GAUNTLET_ASSERT(motor_counts.size() == place_counts_.size());
   std::ranges::copy(motor_counts, place_counts_.begin());
@@ -42,6 +42,7 @@ void Watchdog::Reset(std::span<const std::int32_t> motor_counts) {
 
 void Watchdog::Watch(bool has_new_frame) noexcept {
   ++ticks_to_go_;
+  return_ticks_ = std::max<std::int64_t>(0, return_ticks_ - 1);
   has_frame_ = has_frame_ || has_new_frame;
   if (!exists_ || !has_frame_) return;
   silent_ticks_ = has_new_frame ? 0 : silent_ticks_ + 1;
@@ -76,7 +77,7 @@ std::span<const std::int32_t> Watchdog::Command(std::span<const std::int32_t> wa
     is_there = is_there && place == target;
     command_[motor] = static_cast<std::int32_t>(std::lround(place));
   }
-  if (tier_ == Tier::kFollow && is_there) is_returning_ = false;
+  if (tier_ == Tier::kFollow && is_there && return_ticks_ == 0) is_returning_ = false;
   return command_;
 }
 

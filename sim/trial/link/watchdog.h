@@ -32,6 +32,12 @@ class Watchdog {
   /// Command in place of `wanted`, for the time since this was last called. Valid until the next
   /// call.
   std::span<const std::int32_t> Command(std::span<const std::int32_t> wanted) noexcept;
+  /// The motors follow not faster than the speed of a return for that long, and until they have
+  /// caught up.
+  void Return(std::int64_t least_ticks) noexcept {
+    is_returning_ = true;
+    return_ticks_ = least_ticks;
+  }
   /// The motors are at these counts, from which the next command begins: they were off.
   void MoveTo(std::span<const double> motor_counts) noexcept;
 
@@ -51,6 +57,7 @@ class Watchdog {
   Tier tier_ = Tier::kFollow;
   bool has_frame_ = false;
   bool is_returning_ = false;
+  std::int64_t return_ticks_ = 0;  // to go at least
   int good_ = 0;
   std::int64_t silent_ticks_ = 0;
   std::int64_t ticks_to_go_ = 0;  // since the last command
