@@ -515,8 +515,9 @@ TEST(Mcap, WhoseIndexCountsOtherMessagesIsRefused) {
       test::TextFromPipe([&](PipeWriter& pipe) { WriteTopicTable(*messages, "", pipe); });
       FAIL() << int{other};
     } catch (const UserError& error) {
-      EXPECT_THAT(error.what(), HasSubstr(fmt::format(
-                                    "its index counts {} messages of /joints, it has 9", other)));
+      EXPECT_THAT(
+          error.what(),
+          HasSubstr(fmt::format("its index counts {} messages of /joints, it has 9", int{other})));
     }
   }
 }
