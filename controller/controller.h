@@ -121,7 +121,8 @@ class GAUNTLET_API Controller {
   /// Time since the last trusted value of a channel [ms], in ticks of the loop; since Reset() if
   /// there was none. NaN for a channel out of range.
   double sample_age_ms(int channel) const noexcept;
-  /// Number of steps since Reset() that came half a tick late or more, of those whose time is known.
+  /// Number of steps since Reset() that came half a tick late or more, of those whose time is
+  /// known.
   std::int64_t overruns() const noexcept;
   /// Rate of the loop over the last 256 steps whose time is known [Hz]; NaN before.
   double measured_tick_rate_hz() const noexcept;

@@ -10,8 +10,8 @@ namespace gauntlet::controller {
 /// Holds the time between the steps of a control loop, as the loop measured it, against its Timing.
 ///
 /// A step is an overrun if it came half a tick late or more. The rate is wrong if more than half of
-/// the last 256 intervals were too long, or too short, by more than 5 %, and so is their mean. A loop that measures
-/// nothing is taken to be in time.
+/// the last 256 intervals were too long, or too short, by more than 5 %, and so is their mean. A
+/// loop that measures nothing is taken to be in time.
 class LoopWatch {
  public:
   explicit LoopWatch(const Timing& timing) : tick_ms_(1e3 / timing.tick_rate_hz) {}

@@ -26,8 +26,8 @@ namespace gauntlet::controller {
 /// that are unknown, given twice or out of order, and for those that make no Controller.
 GAUNTLET_API RobotConfig RobotFromText(std::string_view text);
 
-/// All problems of such a text, a line each as of TextOf(Validate()); of one that cannot be read, its
-/// first error.
+/// All problems of such a text, a line each as of TextOf(Validate()); of one that cannot be read,
+/// its first error.
 GAUNTLET_API std::vector<std::string> ProblemsOfText(std::string_view text);
 
 }  // namespace gauntlet::controller

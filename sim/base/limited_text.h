@@ -19,7 +19,7 @@ inline constexpr std::size_t kMostScoreBytes = 256'000'000;
 /// third party may have any size. None if it cannot be read, or has more than `most_bytes`.
 std::optional<std::string> LimitedTextIfAny(const std::filesystem::path& file,
                                             std::size_t most_bytes);
-/// The same. Errors: UserError with the file as its place in place of none.
+/// As LimitedTextIfAny(). Errors: UserError with the file as its place in place of none.
 std::string LimitedText(const std::filesystem::path& file, std::size_t most_bytes);
 
 }  // namespace gauntlet::sim

@@ -42,10 +42,10 @@ class Manifest {
   std::map<std::string, FileMark> files_;
 };
 
-/// The files of an output folder that Gauntlet made and that no person has changed: those of its manifest,
-/// the manifest, the database of trials, video and tables. Exported controllers are not among them.
-/// Reads the files. Errors: UserError for a folder without a manifest, or with one that cannot be
-/// read.
+/// The files of an output folder that Gauntlet made and that no person has changed: those of its
+/// manifest, the manifest, the database of trials, video and tables. Exported controllers are not
+/// among them. Reads the files. Errors: UserError for a folder without a manifest, or with one that
+/// cannot be read.
 std::vector<std::filesystem::path> OwnFiles(const std::filesystem::path& folder);
 
 /// The files that a command will write into a folder.

@@ -6,11 +6,11 @@
 
 namespace gauntlet::sim {
 
-/// The only writer of files that can be made again (others: growing_file.h). A file appears under its name when it is complete: it is written
-/// beside its target under a random new name, flushed to the disk, then renamed. All steps use the
-/// descriptor of the target's folder, so no link in that folder is followed. A registered input
-/// (input_file.h), a result that a manifest names (manifest.h), a device and a pipe are never
-/// replaced.
+/// The only writer of files that can be made again (others: growing_file.h). A file appears under
+/// its name when it is complete: it is written beside its target under a random new name, flushed
+/// to the disk, then renamed. All steps use the descriptor of the target's folder, so no link in
+/// that folder is followed. A registered input (input_file.h), a result that a manifest names
+/// (manifest.h), a device and a pipe are never replaced.
 
 /// A file or folder under a temporary name that others cannot guess. The destructor removes it
 /// unless Rename() was called.

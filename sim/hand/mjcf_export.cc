@@ -299,9 +299,9 @@ class MjcfExporter {
     return std::remainder(angle(site) - angle(from_site), 2.0 * std::numbers::pi);
   }
 
-  /// Since MuJoCo 4.0 a cable goes around a pulley as the line from guide through side site to guide
-  /// does. Where a guide passes the place opposite of the side site, this line changes to the other
-  /// side, and the cable with it.
+  /// Since MuJoCo 4.0 a cable goes around a pulley as the line from guide through side site to
+  /// guide does. Where a guide passes the place opposite of the side site, this line changes to the
+  /// other side, and the cable with it.
   void NoteSideSites() {
     const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(&model_), &mj_deleteData);
     if (data == nullptr) throw RunError("not enough memory for the hand's model");

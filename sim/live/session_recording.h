@@ -28,8 +28,8 @@ struct RecordedFacts {
 };
 
 /// The samples of a glove, which cannot be made again: they are on the disk within a second and
-/// readable whatever happens then. While the session runs, a file beside it (unfinished_mark.h) says
-/// so, and what else came of the session. Of one thread, which may wait for a disk.
+/// readable whatever happens then. While the session runs, a file beside it (unfinished_mark.h)
+/// says so, and what else came of the session. Of one thread, which may wait for a disk.
 class SessionRecording {
  public:
   /// Errors: UserError for a file that exists already; RunError.

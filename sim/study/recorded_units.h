@@ -9,11 +9,12 @@
 namespace gauntlet::sim {
 
 /// Lets a robot take what the columns of its scenario's recording hold (`use: measured`), where
-/// these are no counts: degrees, radians or whatever the column map says, in place of the counts
-/// of the simulated converter. Known poses and converter ranges are those of the column, and the
+/// these are no counts: degrees, radians or whatever the column map says, in place of the counts of
+/// the simulated converter. Known poses and converter ranges are those of the column, and the
 /// settings of filters on counts are scaled, so that the commands are those of the trials but for
-/// the rounding to counts, and the first samples of a Kalman filter, whose first covariance is 1. A channel that is no line of one column (a sum, jumps, an envelope)
-/// takes its joint's angle in degrees. Robots with a calibration of their own stay as they are.
+/// the rounding to counts, and the first samples of a Kalman filter, whose first covariance is 1. A
+/// channel that is no line of one column (a sum, jumps, an envelope) takes its joint's angle in
+/// degrees. Robots with a calibration of their own stay as they are.
 ///
 /// Returns the units of a sample, in a sentence; empty: counts.
 /// Errors: UserError for a recording or a map that cannot be read.

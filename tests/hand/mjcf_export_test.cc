@@ -264,8 +264,8 @@ TEST_F(MjcfExportOfFile, NothingNamesWhatHasGone) {
   EXPECT_THAT(exported.mjcf.text, HasSubstr("a - - b"));
 }
 
-// findings/mujoco_4_side_site_above_a_joint_lets_its_tendon_snap.sh: at 73 deg a guide is opposite of
-// the side site.
+// findings/mujoco_4_side_site_above_a_joint_lets_its_tendon_snap.sh: at 73 deg a guide is opposite
+// of the side site.
 TEST_F(MjcfExportOfFile, CablesThatSnapOffInNewerVersionsAreNamed) {
   const auto notes_of = [](const HandConfig& config) {
     return ExportMjcf(HandModel(config), "a test", "parts").notes;

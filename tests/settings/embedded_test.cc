@@ -413,9 +413,10 @@ TEST(EmbeddedSettings, RefuseWhatTheEmbeddedFormDoesNotHold) {
   };
   using Robot = RobotConfig&;
   EXPECT_EQ(complaint([](Robot) {}), "no complaint");
-  EXPECT_EQ(complaint([](Robot r) { r.controller.filters = {{KalmanConfig{}}}; }),
-            "controller.filter[0]: is kalman, must be kalman_steady, to which it settles (--settle), in "
-            "the embedded form");
+  EXPECT_EQ(
+      complaint([](Robot r) { r.controller.filters = {{KalmanConfig{}}}; }),
+      "controller.filter[0]: is kalman, must be kalman_steady, to which it settles (--settle), in "
+      "the embedded form");
   EXPECT_EQ(complaint([](Robot r) { r.controller.filters = {{MedianConfig{}}}; }),
             "controller.filter[0]: is median, must be none, exponential, alpha_beta, "
             "alpha_beta_gamma or kalman_steady in the embedded form");
