@@ -104,7 +104,10 @@ void PrintArrays(const Inspection& inspection) {
 void PrintTopicsTable(std::vector<ListedTopic> topics) {
   constexpr std::size_t kMost = 50;
   const std::size_t more = topics.size() - std::min(topics.size(), kMost);
-  if (more > 0) std::ranges::stable_partition(topics, &ListedTopic::has_signals);
+  if (more > 0) {
+    std::stable_partition(topics.begin(), topics.end(),
+                          [](const ListedTopic& topic) { return topic.has_signals; });
+  }
   topics.resize(topics.size() - more);
   Print("{}", TextOf(TopicsTable(topics), StyleOf({})));
   if (more > 0) Print("and {} more, in --json\n", more);

@@ -453,7 +453,7 @@ TEST(WriteTopicTable, SortsRowsAndHoldsOnlyThoseThatWait) {
     return times;
   };
   std::vector<std::int64_t> halves = sorted, in_pairs = sorted;
-  std::ranges::rotate(halves, halves.begin() + kCount / 2);
+  std::rotate(halves.begin(), halves.begin() + kCount / 2, halves.end());
   for (std::size_t i = 0; i + 3 < kCount; i += 4) std::swap(in_pairs[i], in_pairs[i + 3]);
   struct Case {
     std::vector<std::int64_t> times_ns;
