@@ -36,7 +36,7 @@ class LoopWatch {
   std::int64_t overruns_ = 0;
   bool is_wrong_ = false;
   double measured_rate_hz_ = std::numeric_limits<double>::quiet_NaN();
-  // Of the present window.
+  // In the present window.
   std::int64_t steps_ = 0;
   std::int64_t too_long_ = 0;
   std::int64_t too_short_ = 0;

@@ -131,7 +131,7 @@ std::vector<RobotProblem> Validate(const RobotConfig& robot) {
     }
   }
   if (has_glove && has_map) WarnOfPoses(robot, problems);
-  // What no part alone finds.
+  // Problems between parts.
   const std::vector<RobotProblem> found = RobotProblems(problems).Found();
   if (std::ranges::all_of(found, &RobotProblem::is_warning)) {
     problems.Try("", [&] { const Controller made(robot); });

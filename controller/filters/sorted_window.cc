@@ -220,7 +220,7 @@ double MedianDeviation(const SortedWindow& window, int channel, double center) {
 }  // namespace
 
 std::unique_ptr<SortedWindow> SortedWindow::Make(int length, int channel_count) {
-  // Of 18 channels: medians are as fast either way from 85 samples on, their deviations from 160.
+  // With 18 channels, medians are as fast either way from 85 samples on, deviations from 160.
   constexpr int kLongestRows = 128;
   if (length <= kLongestRows) return std::make_unique<SortedRows>(length, channel_count);
   return std::make_unique<SortedPlaces>(length, channel_count);

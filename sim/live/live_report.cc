@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -429,14 +430,26 @@ ResultText ShadowText(const std::vector<ShadowScore>& scores, const std::string&
   return text;
 }
 
+namespace {
+
+/// The address of a device without the folders of a file, which are a person's own.
+std::string WithoutFolders(const std::string& address) {
+  constexpr std::string_view kFile = "file:";
+  if (!address.starts_with(kFile)) return address;
+  const std::filesystem::path file = address.substr(kFile.size());
+  return std::string(kFile) + file.filename().string();
+}
+
+}  // namespace
+
 Json LiveJson(const LiveFacts& facts, const LiveContext& context,
               const std::vector<ShadowScore>& shadows) {
   Json json = {
       {"version", 1},
       {"scenario", context.scenario},
       {"controller", context.controller},
-      {"glove", context.glove},
-      {"motors", context.motors},
+      {"glove", WithoutFolders(context.glove)},
+      {"motors", WithoutFolders(context.motors)},
       {"ended_by", kEndNames[static_cast<std::size_t>(facts.end)]},
       {"duration_s", facts.duration_s},
   };

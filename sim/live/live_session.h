@@ -125,7 +125,7 @@ struct LiveResult {
 /// system calls are those of its sleep, of its processor time and of waking the output thread.
 ///
 /// The recording has its samples within a second, its times from the first row of the trace on.
-/// What a disk does not take is tried again, and does not end the session.
+/// A disk that is full is tried again, and does not end the session.
 ///
 /// A real glove is waited for. Frames that stay away, come late, repeated or in another order are
 /// decided by the receiver and the watchdog of `link.glove`; a device that vanishes may come back.

@@ -88,7 +88,7 @@ HandConfig WithObject() {
 
 class MjcfExport : public ::testing::TestWithParam<HandConfig> {};
 
-// What a trial takes for the length of a cable, and for what a joint does to it.
+// Lengths and moments as a trial takes them.
 TEST_P(MjcfExport, CablesHaveTheLengthsAndMomentsOfATrial) {
   Exported exported(GetParam());
   ASSERT_NE(exported.model, nullptr);

@@ -89,7 +89,7 @@ TEST_F(SessionRecordingTest, ReplacesNothing) {
   EXPECT_THROW(GrowingFile{File("missing/a.csv")}, sim::RunError);
 }
 
-// What waits is bounded, and the file has whole lines only.
+// Memory is bounded, and the file has whole lines only.
 TEST_F(SessionRecordingTest, HoldsWhatADiskDoesNotTake) {
   GrowingFile file(File("a"));
   const std::string line = std::string(GrowingFile::kMostWaitingBytes / 2, 'x') + "\n";

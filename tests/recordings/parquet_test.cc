@@ -345,7 +345,7 @@ TEST(Parquet, ThatHasChecksumsIsRefusedWhereAPageChanged) {
   }
 }
 
-// What is missing of a page is damage, and no zeros.
+// A page that is not whole is damage, and no zeros.
 TEST(Parquet, OfAPageThatIsNotWholeNothingIsRead) {
   for (const bool is_v2 : {false, true}) {
     V1Column column = {.encoding = 0, .levels = "", .values = "", .dictionary = "", .count = 500};

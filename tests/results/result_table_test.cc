@@ -33,7 +33,7 @@ ResultTable Filters() {
   return table;
 }
 
-// What is better and what is worse are exchanged easily.
+// Better and worse are exchanged easily.
 TEST(ResultTable, ShowsItsMarksInTheirColours) {
   ResultTable table{.columns = {ForPeople("name"), ForPeople("score")}, .rows = {}};
   for (const auto& [text, mark] :

@@ -381,7 +381,7 @@ TEST(EmbeddedSettings, ReplaceAFilterByWhatItSettlesTo) {
   };
   EXPECT_EQ(settled(KalmanConfig{.noise = noise}), "kalman_steady");
   EXPECT_THAT(replaced, testing::ElementsAre("filter[0] kalman by kalman_steady"));
-  // Where both have settled, the commands are the same.
+  // The commands are the same once both have settled.
   RobotConfig kalman = robot;
   kalman.controller.filters = {{KalmanConfig{.noise = noise}}};
   Commands before = CommandsOf(kalman, 30'000);
