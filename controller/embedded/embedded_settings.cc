@@ -322,7 +322,7 @@ class Builder {
     if (ticks != std::round(ticks) || ticks < 1.0) {
       throw SettingError("timing.event_period_ms", "is " + NumberText(ticks) +
                                                        " ticks, must be a whole number in the "
-                                                       "embedded form");
+                                                       "embedded form (export: --tick-rate-hz)");
     }
     Add("ticks_per_event", ticks, EmbeddedValue::kInteger);
   }

@@ -100,7 +100,7 @@ GAUNTLET_VECTORISED void ReplaceOutliers(const double* sample, const double* med
   GAUNTLET_CHANNEL_LOOP
   for (int i = 0; i < channel_count; ++i) {
     const double distance = std::abs(sample[i] - median[i]);
-    const double limit = threshold * deviation[i] < least[i] ? least[i] : threshold * deviation[i];
+    const double limit = deviation[i] > 0.0 ? threshold * deviation[i] : least[i];
     output[i] = distance > limit ? median[i] : sample[i];
   }
 }

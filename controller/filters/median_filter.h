@@ -23,14 +23,15 @@ struct GAUNTLET_API MedianConfig {
 
 /// Replaces a sample by the median where it lies too far from it, and passes all others unchanged.
 ///
-///     y = median  if |z - median| > max(threshold_sigma 1.4826 MAD, resolution),  else z
+///     y = median  if |z - median| > threshold_sigma 1.4826 MAD,  else z
 ///
 /// MAD is the median of |sample - median| over the same window, the newest sample included;
 /// 1.4826 MAD estimates the standard deviation of normal noise. Windows fill as for the median.
 ///
-/// The resolution is the sensor's as far as its samples have shown it since the start: 1 while all
-/// are whole numbers (counts), else the smallest step that the sample in the middle has made, else
-/// 0. Without it a resting sensor has MAD = 0, and each flicker of its last digit is an outlier.
+/// Where MAD is 0, as of a resting sensor, a sample within the sensor's resolution is no outlier, so
+/// that its last digit may flicker. The resolution is what the samples have shown since the start: 1
+/// while all are whole numbers (counts), else the smallest step that the sample in the middle of the
+/// window has made, else 0.
 /// Source: Hampel, JASA 69 (1974).
 struct GAUNTLET_API HampelConfig {
   static constexpr std::string_view kKind = "hampel";

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -57,8 +58,8 @@ struct ExportOptions {
   bool embedded = false;
   bool mjcf = false;
   bool settle = false;
-  double tick_rate_hz = 0.0;  // 0: as in the trials
-  LinesRequest lines;         // its library is empty without --for
+  std::optional<double> tick_rate_hz;  // none: as in the trials
+  LinesRequest lines;                  // its library is empty without --for
 
   Options Rows() {
     return {
@@ -74,7 +75,8 @@ struct ExportOptions {
                "write the hand as one MJCF file for any MuJoCo [hand.mjcf.xml]"),
         Option("--settle", &settle, {.needs = {"--embedded"}},
                "replace filters that a microcontroller cannot run by what they settle to"),
-        Option("--tick-rate-hz", &tick_rate_hz, {.value = "HZ", .excludes = {"--mjcf"}},
+        Option("--tick-rate-hz", &tick_rate_hz,
+               {.value = "HZ", .range = {1e-3, 1e6}, .excludes = {"--mjcf"}},
                "steps per second of the robot's loop [as in the trials: the glove's rate times a "
                "whole number, about 1000]"),
         Option("--for", &lines.library,
@@ -114,6 +116,21 @@ Examples:
 )";
 };
 
+/// Errors: UserError for a file that no export wrote: a person's own, named by mistake.
+void RefuseForeign(const std::filesystem::path& target) {
+  constexpr std::size_t kHead = 4096;
+  std::string head(kHead, '\0');
+  std::ifstream file(target, std::ios::binary);
+  if (!file) return;
+  file.read(head.data(), kHead);
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  const std::size_t name = head.find("gauntlet ");
+  if (head.empty() || (name != std::string::npos && head.find("export", name) != head.npos)) return;
+  throw UserError({.place = "--out " + target.string(),
+                   .problem = "is a file that gauntlet export did not write, and stays; name "
+                              "another"});
+}
+
 std::filesystem::path TargetOf(const ExportOptions& options) {
   const std::filesystem::path folder = options.folder;
   if (options.out.empty()) {
@@ -127,6 +144,7 @@ std::filesystem::path TargetOf(const ExportOptions& options) {
   if (std::filesystem::equivalent(options.out, folder / "scenario.resolved.yaml", none)) {
     throw UserError({.place = "--out " + options.out, .problem = "is the scenario itself"});
   }
+  RefuseForeign(options.out);
   return options.out;
 }
 
@@ -159,7 +177,7 @@ void AddTo(Groups& groups, const std::string& key, const std::string& name) {
 /// The parts of the file that are no measurement of the user's glove, and the joints without a
 /// sensor: a sentence each.
 std::vector<std::string> NotesOf(const GloveConfig& config, const controller::RobotConfig& robot,
-                                 const std::string& units) {
+                                 const RecordedUnits& recorded) {
   const bool is_calibrated =
       robot.controller.linearisation.kind != controller::LinearisationKind::kGlove;
   std::vector<std::string> notes;
@@ -170,7 +188,7 @@ std::vector<std::string> NotesOf(const GloveConfig& config, const controller::Ro
     if (own == config.calibration.end()) {
       const std::string counts =
           fmt::format("{:g} to {:g}", robot.glove.low_counts[i], robot.glove.high_counts[i]);
-      if (!is_calibrated && units.empty()) AddTo(simulated, counts, name);
+      if (!is_calibrated && recorded.units.empty()) AddTo(simulated, counts, name);
     } else if (!own->assumed.empty()) {
       AddTo(assumed, own->assumed, name);
     }
@@ -186,7 +204,8 @@ std::vector<std::string> NotesOf(const GloveConfig& config, const controller::Ro
         "warning: the column map assumes {} of {}. Confirm it with the row all,confirmed{}", words,
         names, is_calibrated ? "; the calibration file decides the range" : ""));
   }
-  if (!units.empty()) notes.push_back(units);
+  if (!recorded.assumptions.empty()) notes.push_back("warning: " + recorded.assumptions);
+  if (!recorded.units.empty()) notes.push_back(recorded.units);
   for (const controller::RobotProblem& problem : controller::Validate(robot)) {
     notes.push_back(TextOf(problem));
   }
@@ -251,9 +270,9 @@ void WriteMjcf(const Scenario& scenario, const HandModel& hand,
 std::vector<std::string> Adapt(const ExportOptions& options, controller::RobotConfig& robot) {
   std::vector<std::string> notes;
   controller::Timing& timing = robot.timing;
-  if (options.tick_rate_hz != 0.0) {
+  if (options.tick_rate_hz) {
     try {
-      timing = WithTickRate(timing, options.tick_rate_hz);
+      timing = WithTickRate(timing, *options.tick_rate_hz);
     } catch (const controller::SettingError& error) {
       throw UserError({.place = "--tick-rate-hz", .problem = error.problem()});
     }
@@ -320,7 +339,7 @@ void RunExport(const ExportOptions& options) {
   MakeDirectoryOf(target);
   if (named == nullptr) return WriteMjcf(scenario, hand, target);
   controller::RobotConfig robot = RobotOf(scenario, hand, ForRobot(scenario, named->config));
-  const std::string units = UseRecordedUnits(scenario.glove, robot);
+  const RecordedUnits units = UseRecordedUnits(scenario.glove, robot);
   std::vector<std::string> notes = Adapt(options, robot);
   const RobotOrigin origin{.gauntlet_version = GAUNTLET_VERSION,
                            .scenario = scenario.name,

@@ -74,9 +74,25 @@ std::variant<controller::FilterSettings, std::string> OneFilter(
   return settings;
 }
 
+/// `channel` is one of those that the filter names, by name or by number from 1, or it names none.
+bool Filters(const controller::FilterConfig& filter, int channel, const std::string& name) {
+  return filter.channels.empty() || std::ranges::count(filter.channels, name) > 0 ||
+         std::ranges::count(filter.channels, std::to_string(channel + 1)) > 0;
+}
+
 std::string UnitOf(const Scenario& scenario, const LinesRequest& request) {
   if (!request.unit.empty()) return request.unit;
   return scenario.glove.calibration.empty() ? "deg" : "counts";
+}
+
+/// The part of a controller beside its filter that changes where the hand goes; empty if there is
+/// none.
+std::string_view BesideTheFilter(const controller::ControllerConfig& config) {
+  if (config.prediction.kind() != "none") return "a prediction";
+  if (config.model_predictive.kind != controller::ModelPredictiveKind::kNone) {
+    return "model-predictive commands";
+  }
+  return config.joint_loop.kind == controller::JointLoopKind::kNone ? "" : "a joint loop";
 }
 
 /// The filter of a controller for the user's signal; a sentence where it is none.
@@ -85,6 +101,11 @@ std::variant<PlainFilter, std::string> PlainFilterOf(const Scenario& scenario,
                                                      const LinesRequest& request) {
   const std::optional<int> channel = ChannelOf(scenario, request);
   const controller::ControllerConfig& config = named.config;
+  if (const std::string_view beside = BesideTheFilter(config); !beside.empty()) {
+    return fmt::format(
+        "{} also has {}, which no library here has: give a controller with a filter alone",
+        named.name, beside);
+  }
   if (config.filters.size() > 1) {
     return fmt::format("{} has {} filters, must have one", named.name, config.filters.size());
   }
@@ -92,6 +113,9 @@ std::variant<PlainFilter, std::string> PlainFilterOf(const Scenario& scenario,
   if (!config.filters.empty()) filter = config.filters.front();
   if (!filter.channels.empty() && !channel) {
     return fmt::format("{} filters some channels only: give --channel", named.name);
+  }
+  if (channel && !Filters(filter, *channel, request.channel)) {
+    return fmt::format("{} does not filter {}", named.name, request.channel);
   }
   const auto one = OneFilter(filter, channel, static_cast<int>(ChannelsOfFilters(scenario).size()));
   if (const auto* differs = std::get_if<std::string>(&one)) {
@@ -182,8 +206,9 @@ std::vector<std::string> NotesOf(const Scenario& scenario, const NamedController
                                  const Library& library, const PlainFilter& filter,
                                  const LinesRequest& request) {
   std::vector<std::string> notes = {
-      fmt::format("Filter {} of {} in {}, by gauntlet {}.", controller::KindName(filter.settings),
-                  named.name, scenario.name, GAUNTLET_VERSION),
+      fmt::format("Filter {} of {} in {}, by gauntlet {} export.",
+                  controller::KindName(filter.settings), named.name, scenario.name,
+                  GAUNTLET_VERSION),
       fmt::format("For a signal in {}, {} samples per second; {}.", filter.unit,
                   LineNumber(filter.rate_hz), library.package)};
   const FilterInput input = InputOf(scenario, named.config, ChannelOf(scenario, request));

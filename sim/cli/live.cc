@@ -85,7 +85,8 @@ struct LiveCommand {
         Option("--shadow", &shadows,
                {.value = "NAME,..", .offer = Offer::kControllers, .separator = ','},
                "further controllers that get the same samples and drive nothing"),
-        Option("--record", &record, {.value = "FILE.csv", .offer = Offer::kFiles},
+        Option("--record", &record,
+               {.value = "FILE.csv", .offer = Offer::kFiles, .check = ProblemOfPath},
                "file for the glove's samples, as a recording that every command takes "
                "[recording.csv in the output folder]"),
         Option("--page", &page, {.value = "PORT", .range = {0, 65535}},

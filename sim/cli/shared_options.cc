@@ -13,10 +13,6 @@
 namespace gauntlet::sim {
 namespace {
 
-std::string ProblemOfPath(const std::string& path) {
-  return path.empty() ? "is empty, must be a path" : "";
-}
-
 constexpr int kUsualWidth = 80;
 constexpr int kNarrowest = 40;     // less is taken for a mistake of the terminal
 constexpr int kLongestText = 100;  // longer lines are hard to read
@@ -35,6 +31,10 @@ int TerminalWidth() {
 }
 
 }  // namespace
+
+std::string ProblemOfPath(const std::string& path) {
+  return path.empty() ? "is empty, must be a path" : "";
+}
 
 Option Argument(std::string name, std::string* variable, Offer offer, std::string help) {
   return Option(std::move(name), variable, {.offer = offer, .required = true}, std::move(help));

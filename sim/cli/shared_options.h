@@ -8,6 +8,9 @@
 
 namespace gauntlet::sim {
 
+/// Check of an option whose value is a path: an unset variable of a shell is empty.
+std::string ProblemOfPath(const std::string& path);
+
 /// An argument that has to be given.
 Option Argument(std::string name, std::string* variable, Offer offer, std::string help);
 /// A file, or the name of a ready scenario. It becomes what ScenarioFile() returns.

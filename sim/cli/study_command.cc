@@ -1,5 +1,6 @@
 #include "sim/cli/study_command.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -52,6 +53,12 @@ CauseSeeds CausesOf(const StudyCommand& options) {
 /// The scenario with the controllers that are asked for. Fills in the number of seeds.
 Scenario ReadScenario(const ScenarioSource& source, StudyCommand& options) {
   Scenario scenario = ParseScenario(source);
+  // Those of --add are the last, and meant whatever --controllers names.
+  for (std::size_t i = 0; i < options.added.size() && !options.controllers.empty(); ++i) {
+    const std::size_t place = scenario.controllers.size() - options.added.size() + i;
+    const std::string& name = scenario.controllers[place].name;
+    if (std::ranges::count(options.controllers, name) == 0) options.controllers.push_back(name);
+  }
   if (const std::string lost = KeepControllers(options.controllers, scenario); !lost.empty()) {
     Say("gauntlet: the baseline {} is not among --controllers: the rule for scenarios that name "
         "none decides\n",

@@ -372,7 +372,7 @@ class MjcfExporter {
   /// Comments; "--" must not be in one.
   std::string Head(const std::string& name) const {
     std::string text = fmt::format(
-        "The hand of {}, model {}.\n"
+        "The hand of {}, model {}, by gauntlet export.\n"
         "One actuator a cable, of the cable's name, or a motor without cables. Its control is the "
         "angle of the motor [rad]:\n0 with all joints in the middle of their ranges (keyframe "
         "'middle'), positive winds the flexor and pays out the extensor.\nGive both cables of a "

@@ -122,12 +122,12 @@ std::vector<double> OfFilter(const controller::FilterConfig& filter,
 
 }  // namespace
 
-std::string UseRecordedUnits(const GloveConfig& config, controller::RobotConfig& robot) {
+RecordedUnits UseRecordedUnits(const GloveConfig& config, controller::RobotConfig& robot) {
   const auto* motion = std::get_if<RecordedMotionConfig>(&config.motion.settings);
   controller::GloveCalibration& glove = robot.glove;
   if (motion == nullptr || motion->use != RecordingUse::kMeasured ||
       robot.controller.linearisation.kind != controller::LinearisationKind::kGlove) {
-    return "";
+    return {};
   }
   const ColumnMap map = ReadMapOf(*motion);
   std::vector<controller::ConverterRange> converters = controller::ConvertersOf(glove);
@@ -157,7 +157,7 @@ std::string UseRecordedUnits(const GloveConfig& config, controller::RobotConfig&
     glove.high_counts[i] = high;
     channels_by_unit[unit->name].push_back(name);
   }
-  if (channels_by_unit.empty()) return "";
+  if (channels_by_unit.empty()) return {};
   glove.min_counts.clear();
   glove.full_scale_counts.clear();
   for (const controller::ConverterRange& range : converters) {
@@ -173,7 +173,8 @@ std::string UseRecordedUnits(const GloveConfig& config, controller::RobotConfig&
   for (const auto& [unit, channels] : channels_by_unit) {
     units.push_back(fmt::format("{} ({})", unit, fmt::join(channels, ", ")));
   }
-  return fmt::format("a sample of the glove is: {}", fmt::join(units, "; "));
+  return {.units = fmt::format("a sample of the glove is: {}", fmt::join(units, "; ")),
+          .assumptions = AssumptionsOf(map)};
 }
 
 }  // namespace gauntlet::sim

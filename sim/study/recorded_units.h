@@ -1,12 +1,18 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "controller/controller_config.h"
 #include "sim/glove/glove_config.h"
 
 namespace gauntlet::sim {
+
+/// The units of a sample, in a sentence, and what the column map assumes of them; empty: counts, or
+/// nothing.
+struct RecordedUnits {
+  std::string units = {};
+  std::string assumptions = {};
+};
 
 /// Lets a robot take what the columns of its scenario's recording hold (`use: measured`), where
 /// these are no counts: degrees, radians or whatever the column map says, in place of the counts of
@@ -16,8 +22,7 @@ namespace gauntlet::sim {
 /// channel that is no line of one column (a sum, jumps, an envelope) takes its joint's angle in
 /// degrees. Robots with a calibration of their own stay as they are.
 ///
-/// Returns the units of a sample, in a sentence; empty: counts.
 /// Errors: UserError for a recording or a map that cannot be read.
-std::string UseRecordedUnits(const GloveConfig& config, controller::RobotConfig& robot);
+RecordedUnits UseRecordedUnits(const GloveConfig& config, controller::RobotConfig& robot);
 
 }  // namespace gauntlet::sim

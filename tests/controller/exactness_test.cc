@@ -96,7 +96,9 @@ TEST(Exactness, Hampel) {
                          const Real median = MedianOf({samples.begin(), samples.end()});
                          std::vector<Real> distances;
                          for (const double s : samples) distances.push_back(std::abs(s - median));
-                         const Real limit = Real(1.5) * Real(1.4826) * MedianOf(distances);
+                         const Real deviation = MedianOf(distances);
+                         const Real limit = deviation > 0 ? Real(1.5) * Real(1.4826) * deviation
+                                                          : Real(1);  // counts are whole
                          return std::abs(z - median) > limit ? median : z;
                        }),
             0.0);

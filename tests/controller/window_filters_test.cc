@@ -61,7 +61,8 @@ TEST(HampelFilter, FollowsItsDefinition) {
       std::vector<double> samples = WindowAt(input, k, window);
       const double median = MedianOf(samples);
       for (double& sample : samples) sample = std::abs(sample - median);
-      const double limit = std::max(0.9 * 1.4826 * MedianOf(samples), 1.0);  // whole numbers
+      const double deviation = MedianOf(samples);
+      const double limit = deviation > 0.0 ? 0.9 * 1.4826 * deviation : 1.0;  // whole numbers
       const bool outlier = std::abs(input[k] - median) > limit;
       replaced += outlier;
       ASSERT_EQ(output[k], outlier ? median : input[k]) << window << " at " << k;

@@ -52,7 +52,7 @@ class RecordedUnitsTest : public testing::TestWithParam<FilterConfig> {
 TEST_P(RecordedUnitsTest, GiveTheCommandsOfTheTrials) {
   robot_.controller.filters = {GetParam()};
   controller::RobotConfig robot = robot_;
-  EXPECT_EQ(UseRecordedUnits(glove_, robot),
+  EXPECT_EQ(UseRecordedUnits(glove_, robot).units,
             "a sample of the glove is: radians (index_pip); the numbers of its column in the "
             "recording (index_mcp, middle_pip)");
   controller::Controller of_counts(robot_);
@@ -104,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_F(RecordedUnitsTest, StayCountsWhereTheGloveGivesCounts) {
   std::get<RecordedMotionConfig>(glove_.motion.settings).use = RecordingUse::kTruth;
   controller::RobotConfig robot = robot_;
-  EXPECT_EQ(UseRecordedUnits(glove_, robot), "");
+  EXPECT_EQ(UseRecordedUnits(glove_, robot).units, "");
   EXPECT_EQ(robot.glove.low_counts, robot_.glove.low_counts);
 }
 
