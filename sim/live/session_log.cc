@@ -26,12 +26,12 @@ Eigen::Index TraceTicks(const LiveSetup& setup) {
 }  // namespace
 
 SessionLog::SessionLog(const LiveSetup& setup, LiveResult& result)
-    : recording_(setup.recording),
-      setup_(setup),
-      samples_(recording_ == nullptr ? 1 : kSampleRows,
+    : samples_(setup.recording == nullptr ? 1 : kSampleRows,
                setup.trial.calibration.channel_names.size()),
       notes_(kNoteRows, 0),
       targets_(kLogRows, setup.shadows.size() * setup.trial.hand->joint_names().size()),
+      recording_(setup.recording),
+      setup_(setup),
       result_(result),
       recorder_(result.trace, TraceTicks(setup),
                 TraceColumnNames(setup.trial.calibration.channel_names, *setup.trial.hand,

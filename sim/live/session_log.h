@@ -48,12 +48,12 @@ class SessionLog {
   void Move();
   void Record();
 
-  SessionRecording* recording_;
-  const LiveSetup& setup_;
   RowRing<double> samples_;  // time [s] and counts
   RowRing<Note> notes_;
-  std::atomic<std::int64_t> lost_samples_ = 0;
   RowRing<int> targets_;  // 0; shadows x joints
+  SessionRecording* recording_;
+  const LiveSetup& setup_;
+  std::atomic<std::int64_t> lost_samples_ = 0;
   LiveResult& result_;
   Eigen::Index moved_targets_ = 0;  // ticks
   TraceRecorder recorder_;

@@ -136,10 +136,15 @@ void SessionRecording::End() {
 }
 
 SessionRecording::~SessionRecording() {
-  AddBundle();
-  if (!mark_) return;
-  angles_->End();
-  if (angles_->lines() == 0 || !has_notes_) mark_->Remove();
+  try {
+    AddBundle();
+    if (!mark_) return;
+    angles_->End();
+    if (angles_->lines() == 0 || !has_notes_) mark_->Remove();
+  } catch (...) {
+    // Without memory, what the disk has stays, and its mark.
+    return;
+  }
 }
 
 }  // namespace gauntlet::sim

@@ -28,12 +28,12 @@ constexpr std::size_t kMostPaths = 5;
 }
 
 const std::vector<SettingRow>& ScenarioRows() {
-  static const std::vector<SettingRow> rows =
+  static const std::vector<SettingRow> kRows =
       ListSettings([](controller::SettingsVisitor& visitor) {
         Scenario scenario;
         scenario.Visit(visitor);
       });
-  return rows;
+  return kRows;
 }
 
 std::vector<std::string> ControllerNames(const YamlNode& root) {
