@@ -28,11 +28,10 @@ struct GAUNTLET_API MedianConfig {
 /// MAD is the median of |sample - median| over the same window, the newest sample included;
 /// 1.4826 MAD estimates the standard deviation of normal noise. Windows fill as for the median.
 ///
-/// Where MAD is 0, as of a resting sensor, a sample within the sensor's resolution is no outlier, so
-/// that its last digit may flicker. The resolution is what the samples have shown since the start: 1
-/// while all are whole numbers (counts), else the smallest step that the sample in the middle of the
-/// window has made, else 0.
-/// Source: Hampel, JASA 69 (1974).
+/// Where MAD is 0, as of a resting sensor, a sample within the sensor's resolution is no outlier,
+/// so that its last digit may flicker. The resolution is what the samples have shown since the
+/// start: 1 while all are whole numbers (counts), else the smallest step that the sample in the
+/// middle of the window has made, else 0. Source: Hampel, JASA 69 (1974).
 struct GAUNTLET_API HampelConfig {
   static constexpr std::string_view kKind = "hampel";
   static constexpr std::string_view kSummary = "replaces outliers by the median, passes the rest";
