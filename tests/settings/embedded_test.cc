@@ -471,7 +471,8 @@ TEST(EmbeddedSettings, RefuseWhatTheEmbeddedFormDoesNotHold) {
             "16777216 in the embedded form");
   EXPECT_EQ(complaint([](Robot r) { r.glove.min_counts = {-16777216.0}; }), "no complaint");
   EXPECT_EQ(complaint([](Robot r) { r.timing.event_period_ms = 2.5; }),
-            "timing.event_period_ms: is 2.5 ticks, must be a whole number in the embedded form");
+            "timing.event_period_ms: is 2.5 ticks, must be a whole number in the embedded form "
+            "(export: --tick-rate-hz)");
   EXPECT_EQ(complaint([](Robot r) {
               r.controller.linearisation.kind = LinearisationKind::kPolynomial;
               for (int i = 0; i < kChannels; ++i) {
