@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -63,9 +64,10 @@ Plan PlanFor(const fs::path& folder) {
 void Remove(const Plan& plan) {
   {
     const OutputFolder lock(plan.folder);  // refuses a folder that another program writes
-    for (const fs::path& file : plan.files) fs::remove(file);
+    for (const fs::path& file : OwnFiles(plan.folder)) fs::remove(file);
   }
-  if (plan.others == 0) fs::remove(plan.folder);
+  std::error_code not_empty;
+  if (plan.others == 0) fs::remove(plan.folder, not_empty);
 }
 
 std::vector<fs::path> FoldersOf(const CleanOptions& options) {

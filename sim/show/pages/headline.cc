@@ -58,7 +58,7 @@ std::string Item(const Summary& summary, std::size_t metric, std::size_t c, std:
   std::string interval;
   if (differs && text.can_be_told()) {
     large = text.Of(comparison.difference.mean);
-    interval = "; " + text.Between(comparison.difference.low, comparison.difference.high);
+    interval = "; 95 % CI " + text.Between(comparison.difference.low, comparison.difference.high);
   }
   const char* kind = !differs                                     ? ""
                      : comparison.judgement == Judgement::kBetter ? " class=\"good\""
