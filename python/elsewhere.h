@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/study/elsewhere.h"
@@ -17,7 +18,7 @@ namespace gauntlet::python {
 ///
 ///     call            name of the call, which no other has
 ///     most_parts      the largest number of parts that makes sense
-///     begin(parts)    [(first, end)]: sends them
+///     begin(parts, about)  [(first, end)], [text]: sends them; again when all before have come
 ///     finished()      [(number, file or None)]: parts that have come since, or will not come
 class ExecutorParts final : public sim::Elsewhere {
  public:
@@ -29,9 +30,10 @@ class ExecutorParts final : public sim::Elsewhere {
   const std::string& call() const { return call_; }
   int most_parts() const override { return most_parts_; }
 
-  void Begin(const std::vector<sim::WorkRange>& parts) override {
+  void Begin(const std::vector<sim::WorkRange>& parts,
+             const std::vector<std::string>& about) override {
     const std::lock_guard lock(mutex_);
-    to_send_ = parts;
+    to_send_ = {parts, about};
   }
 
   std::optional<Part> Next(std::chrono::milliseconds patience) override {
@@ -45,15 +47,18 @@ class ExecutorParts final : public sim::Elsewhere {
 
   /// In the thread of the caller, several times per second. Errors: what Python raises.
   void Look() {
-    std::optional<std::vector<sim::WorkRange>> to_send;
+    std::optional<Question> to_send;
     {
       const std::lock_guard lock(mutex_);
       to_send.swap(to_send_);
     }
     if (to_send) {
-      pybind11::list ranges;
-      for (const auto& [first, end] : *to_send) ranges.append(pybind11::make_tuple(first, end));
-      sender_.attr("begin")(ranges);
+      pybind11::list ranges, about;
+      for (const auto& [first, end] : to_send->first) {
+        ranges.append(pybind11::make_tuple(first, end));
+      }
+      for (const std::string& text : to_send->second) about.append(pybind11::str(text));
+      sender_.attr("begin")(ranges, about);
       is_sent_ = true;
     }
     if (!is_sent_) return;
@@ -66,13 +71,15 @@ class ExecutorParts final : public sim::Elsewhere {
   }
 
  private:
+  using Question = std::pair<std::vector<sim::WorkRange>, std::vector<std::string>>;
+
   const pybind11::object sender_;
   const std::string call_;
   const int most_parts_;
   bool is_sent_ = false;
   std::mutex mutex_;
   std::condition_variable came_;
-  std::optional<std::vector<sim::WorkRange>> to_send_;
+  std::optional<Question> to_send_;
   std::deque<Part> parts_;
 };
 

@@ -24,7 +24,8 @@ namespace {
 namespace py = pybind11;
 using namespace std::chrono_literals;
 
-constexpr auto kPatience = 50ms;  // between two looks for signals
+constexpr auto kPatience = 50ms;         // between two looks for signals
+constexpr auto kPatienceForParts = 5ms;  // a search waits for the parts of each setting
 
 /// The right to run long work; one thread has it.
 class Turn {
@@ -230,7 +231,7 @@ std::vector<std::string> RunInTurn(const py::object& on_progress,
     on_progress(done, state.all());
   };
   Worker worker(work, state);
-  while (!worker.WaitFor(kPatience)) {
+  while (!worker.WaitFor(elsewhere == nullptr ? kPatience : kPatienceForParts)) {
     if (raised) continue;
     try {
       look(state.done());

@@ -18,6 +18,7 @@
 #include "sim/answers/sweep/sweep_run.h"
 #include "sim/answers/sweep/sweep_tables.h"
 #include "sim/answers/tune/tune_all.h"
+#include "sim/answers/tune/tune_bench.h"
 #include "sim/answers/tune/tune_memo.h"
 #include "sim/answers/tune/tune_request.h"
 #include "sim/answers/tune/tune_tables.h"
@@ -62,7 +63,8 @@ py::dict Tune(const sim::TuneRequest& request, const SettingsSource& scenario,
       most = std::max(most, done);
       return work.Progress(most, all);
     };
-    if (elsewhere != nullptr) {
+    if (elsewhere != nullptr && !request.all) plan.elsewhere = elsewhere;
+    if (elsewhere != nullptr && request.all) {
       plan.memo = &memo.emplace(plan);
       sim::AwaitKinds(plan, *elsewhere, progress);
     }
@@ -110,6 +112,14 @@ void RunKindsOfPart(const sim::TuneRequest& request, const SettingsSource& scena
   plan.memo = &memo;
   sim::TuneSomeKinds(plan, part.range);
   memo.Write(part.database);
+}
+
+/// Runs some trials of one setting of a search, on one thread, into a study.db.
+void RunSettingOfPart(const sim::TuneRequest& request, const SettingsSource& scenario,
+                      const std::vector<std::string>& overrides,
+                      const std::vector<std::string>& about, const PartRequest& part) {
+  const sim::TunePlan plan = sim::PlanOf(request, ScenarioSourceOf(scenario, overrides));
+  sim::RunTrialsOfSetting(plan, about, part.range, part.database);
 }
 
 sim::SweepPlan SweepPlanOf(const SettingsSource& study, const sim::SweepOverrides& overrides) {
@@ -246,6 +256,27 @@ void BindSearches(py::module_& module) {
       py::arg("minimise"), py::arg("subject_to"), py::arg("seeds"), py::arg("held_out"),
       py::arg("evaluations"), py::arg("filter_only"), py::arg("allow_programs"), py::arg("filters"),
       py::arg("call"), py::arg("first"), py::arg("end"), py::arg("database"));
+  module.def(
+      "run_setting",
+      [](const std::string& file, const std::optional<std::string>& text,
+         const std::vector<std::string>& overrides, const std::string& controller,
+         const std::vector<std::string>& free, bool filter_only, bool allow_programs,
+         const std::vector<std::string>& about, const py::dict& filters, const std::string& call,
+         std::int64_t first, std::int64_t end, const std::string& database) {
+        const OwnFilters own_filters = {allow_programs, OwnObjectsOf(filters)};
+        RunPartOf(call, [&](bool is_within) {
+          std::optional<OwnFiltersOfCall> scope;
+          if (!is_within) scope.emplace(own_filters, call);
+          RunSettingOfPart({.controller = controller,
+                            .free = free,
+                            .subject_to = {},
+                            .filter_only = filter_only},
+                           {file, text}, overrides, about, {{first, end}, database});
+        });
+      },
+      py::arg("file"), py::arg("text"), py::arg("overrides"), py::arg("controller"),
+      py::arg("free"), py::arg("filter_only"), py::arg("allow_programs"), py::arg("about"),
+      py::arg("filters"), py::arg("call"), py::arg("first"), py::arg("end"), py::arg("database"));
   module.def(
       "sweep",
       [](const std::string& file, const std::optional<std::string>& text,

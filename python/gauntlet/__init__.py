@@ -318,21 +318,22 @@ def tune(scenario: Settings, *, controller: str = "", free: Union[Mapping[str, s
     minimise    score to optimise
     subject_to  bounds of scores: ["jitter_rms_deg<=0.2"]
     seeds, held_out  seeds of the search, and further ones for the verdict; recordings are divided instead
-    executor    with `all` computes the kinds, one trial at a time per worker; the result has the same bytes
+    executor    computes the seeds of each setting but the first, with `all` whole kinds, one trial at a time per worker;
+                the result has the same bytes. One recording, divided by time, is one trial per setting: that is not sent
     """
     for name, value in (("seeds", seeds), ("held_out", held_out), ("evaluations", evaluations)):
         if value < 1:
             raise SettingError(name, "", f"is {value}, must be 1 or more")
     ranges = [f"{key}={value}" for key, value in free.items()] if isinstance(free, Mapping) else _texts(free, "free")
-    if executor is not None and not all:
-        raise SettingError("executor", "", "needs all=True: each setting of one kind depends on those before")
     filters = _Filters()
     file, text = _source(scenario, "scenario", filters)
     overrides = _overrides(set, filters)
     core = filters.core()
     bounds = _texts(subject_to, "subject_to")
-    arguments = (file, text, overrides, controller, minimise, bounds, seeds, held_out, evaluations, filter_only, allow_programs)
-    with _Line(progress, "tune") as told, Parts(executor, "run_kinds", arguments, filters, core) as parts:
+    arguments = ((file, text, overrides, controller, minimise, bounds, seeds, held_out, evaluations, filter_only, allow_programs)
+                 if all else (file, text, overrides, controller, ranges, filter_only, allow_programs))
+    with (_Line(progress, "tune") as told,
+          Parts(executor, "run_kinds" if all else "run_setting", arguments, filters, core) as parts):
         found = _core.tune(file, text, overrides, controller, ranges, minimise, bounds, seeds, held_out, evaluations, all,
                            filter_only, _jobs(jobs), allow_programs, core, parts, told)
         found["remarks"] += parts.remarks if parts else []

@@ -99,6 +99,9 @@ def tune(file: str, text: Optional[str], overrides: Sequence[str], controller: s
 def run_kinds(file: str, text: Optional[str], overrides: Sequence[str], controller: str, minimise: str,
               subject_to: Sequence[str], seeds: int, held_out: int, evaluations: int, filter_only: bool,
               allow_programs: bool, filters: _Filters, call: str, first: int, end: int, database: str) -> None: ...
+def run_setting(file: str, text: Optional[str], overrides: Sequence[str], controller: str, free: Sequence[str], filter_only: bool,
+                allow_programs: bool, about: Sequence[str], filters: _Filters, call: str, first: int, end: int,
+                database: str) -> None: ...
 def sweep(file: str, text: Optional[str], overrides: Sequence[str], seeds: Optional[int], filter_only: bool,
           jobs: int, out: str, allow_programs: bool, filters: _Filters, executor: Any,
           on_progress: _Progress) -> dict[str, Any]: ...

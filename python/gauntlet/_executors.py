@@ -36,6 +36,7 @@ class Parts:
         self.most_parts = 4 * workers if isinstance(workers, int) and workers > 0 else 64
         self.remarks: list[str] = []
         self._parts: list[tuple[int, int]] = []
+        self._about: list[str] = []
         self._tries: list[int] = []
         self._running: dict[concurrent.futures.Future, int] = {}
 
@@ -54,8 +55,9 @@ class Parts:
             future.cancel()
         self._folder.cleanup()
 
-    def begin(self, parts: list[tuple[int, int]]) -> None:
+    def begin(self, parts: list[tuple[int, int]], about: list[str]) -> None:
         self._parts = parts
+        self._about = about
         self._tries = [0] * len(parts)
         for number in range(len(parts)):
             self._send(number)
@@ -87,7 +89,7 @@ class Parts:
     def _send(self, number: int) -> None:
         self._tries[number] += 1
         try:
-            future = self._executor.submit(_run_part, *self._task, *self._parts[number])
+            future = self._executor.submit(_run_part, *self._task, self._about, *self._parts[number])
         except concurrent.futures.process.BrokenProcessPool as broken:
             future = concurrent.futures.Future()
             future.set_exception(broken)
@@ -96,12 +98,13 @@ class Parts:
         self._running[future] = number
 
 
-def _run_part(function: str, arguments: tuple, filters: _Filters, identities: Mapping[str, str], call: str, first: int,
-              end: int) -> bytes:
-    """What a worker does: a study.db with some trials or cells."""
+def _run_part(function: str, arguments: tuple, filters: _Filters, identities: Mapping[str, str], call: str, about: list[str],
+              first: int, end: int) -> bytes:
+    """What a worker does: a study.db with some trials or cells. `about` is for functions that are asked more than once."""
     with tempfile.TemporaryDirectory(prefix="gauntlet-") as folder:
         file = os.path.join(folder, "study.db")
-        getattr(_core, function)(*arguments, filters.core(identities), call, first, end, file)
+        asked = (about,) if about else ()
+        getattr(_core, function)(*arguments, *asked, filters.core(identities), call, first, end, file)
         return pathlib.Path(file).read_bytes()
 
 

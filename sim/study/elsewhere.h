@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace gauntlet::sim {
@@ -38,8 +39,10 @@ class Elsewhere {
   virtual ~Elsewhere() = default;
   /// The largest number of parts that makes sense.
   virtual int most_parts() const = 0;
-  /// Once.
-  virtual void Begin(const std::vector<WorkRange>& parts) = 0;
+  /// Parts of one question: `about` is empty, or says what is asked where that is not known before.
+  /// Again only when all parts of the question before have come.
+  virtual void Begin(const std::vector<WorkRange>& parts,
+                     const std::vector<std::string>& about) = 0;
   /// The next part that has come, each once; nothing if none came in this time.
   virtual std::optional<Part> Next(std::chrono::milliseconds patience) = 0;
 };

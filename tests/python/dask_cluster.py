@@ -1,4 +1,4 @@
-"""A comparison and a sweep on a dask LocalCluster of two workers, one of which is killed in the middle: same bytes?
+"""A comparison, a sweep and a search on a dask LocalCluster of two workers, one of which is killed in the middle: same bytes?
 
 Not among the tests of the build, as it needs dask.distributed:
 
@@ -47,6 +47,8 @@ def main():
     warnings.simplefilter("ignore", gauntlet.Remark)
     calls = {
         "compare": lambda **more: gauntlet.compare("hold_still", set=SET, seeds=SEEDS, **more),
+        "tune": lambda **more: gauntlet.tune("hold_still", set=SET, controller="tuned_kalman", free={"filter.q": "1e-6:10:log"},
+                                             evaluations=12, **more),
         "sweep": lambda **more: gauntlet.sweep("kalman_q", seeds=4, **more),
     }
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:

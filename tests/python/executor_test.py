@@ -21,6 +21,9 @@ STUDY = {"question": "q", "scenario": str(SOURCE / "scenarios/hold_still.yaml"),
 
 TUNE = {"set": SHORT, "seeds": 2, "held_out": 2, "evaluations": 4, "filter_only": True}
 
+SEARCH = {**TUNE, "seeds": 3, "held_out": 3, "filter_only": False, "controller": "tuned_kalman", "free": {"filter.q": "1e-6:10:log"},
+          "subject_to": ["tracking_rmse_deg<=50"]}
+
 
 class Smooth:
     def __init__(self, rate_hz, channels, weight=0.2):
@@ -115,8 +118,23 @@ class Executors(Test):
             self.assertEqual(told, sorted(told))
 
         self.for_each_pool(check)
-        with self.assertRaisesRegex(gauntlet.SettingError, "executor: needs all=True: each setting of one kind depends on those before"):
-            gauntlet.tune("hold_still", controller="raw", executor=Lossy(0))
+
+    def test_a_search_of_one_controller_has_the_same_bytes(self):
+        expected = gauntlet.tune("hold_still", **SEARCH)
+
+        def check(pool):
+            told = []
+            result = gauntlet.tune("hold_still", **SEARCH, executor=pool, progress=lambda done, all: told.append(done))
+            self.assertSame(result, expected)
+            self.assertEqual((result.page, result.settings.rows, result.controllers),
+                             (expected.page, expected.settings.rows, expected.controllers))
+            self.assertEqual(told, sorted(told))
+
+        self.for_each_pool(check)
+        lossy = Lossy(2)
+        self.assertSame(gauntlet.tune("hold_still", **SEARCH, executor=lossy), expected)
+        # Two of three seeds, for three settings on the fitted part, and for the best and the one before on the other; two again.
+        self.assertEqual(lossy.sent, 2 * (3 + 2) + 2)
 
     def test_own_filters_and_files_of_the_folder_reach_the_workers(self):
         (self.folder / "hand.csv").write_text("time_s,index_mcp\n" + "".join(f"{i / 100},{np.sin(i / 9):.4f}\n" for i in range(90)))
@@ -145,7 +163,8 @@ class Executors(Test):
         self.assertEqual(lossy.sent, 8 + 2)
         for call in (lambda: gauntlet.compare("hold_still", set=SHORT, seeds=3, executor=Lossy(99)),
                      lambda: gauntlet.sweep(STUDY, executor=Lossy(99)),
-                     lambda: gauntlet.tune("hold_still", all=True, **TUNE, executor=Lossy(99))):
+                     lambda: gauntlet.tune("hold_still", all=True, **TUNE, executor=Lossy(99)),
+                     lambda: gauntlet.tune("hold_still", **SEARCH, executor=Lossy(99))):
             with self.assertRaisesRegex(gauntlet.RunError, "^executor: part [0-9]+ of [0-9]+ failed 3 times, at last with "
                                                            "KilledWorker: worker tcp://a died three times$"):
                 call()
@@ -160,7 +179,8 @@ class Executors(Test):
 
         for call in (lambda: gauntlet.compare("hold_still", set=SHORT, seeds=3, executor=Other(0)),
                      lambda: gauntlet.sweep(STUDY, executor=Other(0)),
-                     lambda: gauntlet.tune("hold_still", all=True, **TUNE, executor=Other(0))):
+                     lambda: gauntlet.tune("hold_still", all=True, **TUNE, executor=Other(0)),
+                     lambda: gauntlet.tune("hold_still", **SEARCH, executor=Other(0))):
             with self.assertRaisesRegex(gauntlet.RunError, "executor: a worker gave other results than were asked for"):
                 call()
 

@@ -87,7 +87,7 @@ class Sweep {
     std::vector<WorkRange> parts =
         Divide({options_.cells.first, options_.cells.end}, elsewhere.most_parts());
     std::erase_if(parts, [&](const WorkRange& part) { return AllKnown({part.first, part.end}); });
-    elsewhere.Begin(parts);
+    elsewhere.Begin(parts, {});
     for (std::size_t left = parts.size(); left > 0;) {
       ThrowIfStopped();
       const std::optional<Elsewhere::Part> part = elsewhere.Next(kPatience);

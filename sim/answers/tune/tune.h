@@ -11,6 +11,7 @@
 
 namespace gauntlet::sim {
 
+class Elsewhere;
 class TuneMemo;
 
 /// The settings to be tuned, and the method.
@@ -30,6 +31,9 @@ struct TunePlan {
   /// best setting, and around the setting with the least delay at each of these levels.
   std::vector<double> front_jitter_deg = {};
   TuneMemo* memo = nullptr;  // of settings that were measured before, and gets others; null: none
+  /// Computes the seeds of each setting but the first, see RunTrialsOfSetting(); null: nothing.
+  /// Blocks of recordings, which are parts of one trial, are not sent.
+  Elsewhere* elsewhere = nullptr;
 };
 
 /// `filter.q=1e-6:10:log`, as a range of the controller; `:whole` for whole numbers, alone or after

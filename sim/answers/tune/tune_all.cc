@@ -171,7 +171,7 @@ void AwaitKinds(const TunePlan& plan, Elsewhere& elsewhere,
   constexpr std::chrono::milliseconds kPatience{50};
   const auto count = std::ssize(controller::FilterKinds());
   const std::vector<WorkRange> parts = Divide({0, count}, elsewhere.most_parts());
-  elsewhere.Begin(parts);
+  elsewhere.Begin(parts, {});
   double done = 0.0;
   for (std::size_t left = parts.size(); left > 0;) {
     ThrowIfStopped();

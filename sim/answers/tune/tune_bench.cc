@@ -6,14 +6,18 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "controller/assert.h"
 #include "sim/answers/compare/recording_blocks.h"
 #include "sim/answers/sweep/cell_blocks.h"
 #include "sim/answers/tune/tune_memo.h"
 #include "sim/base/error.h"
+#include "sim/base/stop.h"
 #include "sim/score/statistics/blocks.h"
 #include "sim/study/scenario/scenario_reader.h"
+#include "sim/study/trial_table/awaited_trials.h"
+#include "sim/study/trial_table/study_database.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -22,6 +26,32 @@ std::vector<std::string> ConstraintTexts(const TunePlan& plan) {
   std::vector<std::string> texts;
   for (const Constraint& constraint : plan.constraints) texts.push_back(constraint.Text());
   return texts;
+}
+
+/// All that another process has to know of a setting, but for the plan.
+struct AboutSetting {
+  int first_seed = 1;
+  int seeds = 1;
+  std::vector<std::size_t> metrics = {};
+  std::vector<std::string> values = {};
+};
+
+std::vector<std::string> ToTexts(const AboutSetting& about) {
+  std::vector<std::string> texts = {std::to_string(about.first_seed), std::to_string(about.seeds),
+                                    std::to_string(about.metrics.size())};
+  for (const std::size_t metric : about.metrics) texts.emplace_back(Metrics()[metric].key);
+  texts.insert(texts.end(), about.values.begin(), about.values.end());
+  return texts;
+}
+
+AboutSetting FromTexts(const std::vector<std::string>& texts) {
+  AboutSetting about{.first_seed = std::stoi(texts.at(0)), .seeds = std::stoi(texts.at(1))};
+  const auto values = texts.begin() + 3 + std::stol(texts.at(2));
+  for (auto key = texts.begin() + 3; key < values; ++key) {
+    about.metrics.push_back(MetricIndex(*key));
+  }
+  about.values = {values, texts.end()};
+  return about;
 }
 
 }  // namespace
@@ -72,14 +102,32 @@ TunedSetting TuneBench::Run(const std::vector<std::string>& values,
   return setting;
 }
 
+Study TuneBench::StudyWith(const std::vector<std::string>& values) const {
+  Study study = study_;
+  study.scenario.controllers = {ControllerWith(values)};
+  return study;
+}
+
+StudyOptions TuneBench::Options(const Progress& progress) const {
+  return {.seeds = seeds_,
+          .jobs = jobs_,
+          .progress = progress,
+          .keep_first_traces = false,
+          .keep_rows = false,
+          .physics = plan_.physics,
+          .scores = metrics_,
+          .left_out = left_out_,
+          .blocks = blocks_};
+}
+
 TunedSetting TuneBench::Measure(const std::vector<std::string>& values,
                                 const Progress& progress) const {
   TunedSetting setting;
   setting.values = values;
   setting.scores.resize(metrics_.size());
-  Study study = study_;
+  Study study;
   try {
-    study.scenario.controllers = {ControllerWith(values)};
+    study = StudyWith(values);
     CheckController(study, study.scenario.controllers.front());
   } catch (const UserError& error) {
     setting.problem = error.what();
@@ -88,18 +136,27 @@ TunedSetting TuneBench::Measure(const std::vector<std::string>& values,
     setting.problem = error.what();
     return setting;
   }
-  Score(RunStudy(study, {.seeds = seeds_,
-                         .jobs = jobs_,
-                         .progress = progress,
-                         .keep_first_traces = false,
-                         .keep_rows = false,
-                         .physics = plan_.physics,
-                         .store = nullptr,
-                         .scores = metrics_,
-                         .left_out = left_out_,
-                         .blocks = blocks_}),
-        setting);
+  StudyOptions options = Options(progress);
+  std::optional<AwaitedTrials> awaited;
+  if (plan_.elsewhere != nullptr && blocks_.empty()) {
+    const std::vector<std::string> about = ToTexts({.first_seed = study_.scenario.seed,
+                                                    .seeds = seeds_,
+                                                    .metrics = metrics_,
+                                                    .values = values});
+    options.store = &awaited.emplace(study, seeds_, *plan_.elsewhere, nullptr, about);
+  }
+  Score(RunStudy(study, options), setting);
   return setting;
+}
+
+void TuneBench::RunTrials(const std::vector<std::string>& values, const WorkRange& trials,
+                          const std::filesystem::path& database) const {
+  const Study study = StudyWith(values);
+  StudyDatabase store(database, study, {.seeds = seeds_});
+  StudyOptions options = Options([](double, int) { return !StopAsked(); });
+  options.store = &store;
+  RunSomeTrials(study, options, trials);
+  if (const auto not_kept = store.Finish()) throw RunError(*not_kept);
 }
 
 void TuneBench::ScoreBlocks(const StudyResult& result, TunedSetting& setting) const {
@@ -160,6 +217,14 @@ void TuneBench::Score(const StudyResult& result, TunedSetting& setting) const {
     const auto place = std::ranges::find(metrics_, constraint.metric) - metrics_.begin();
     setting.met = std::max(setting.met, IsMet(constraint, setting.scores[place]));
   }
+}
+
+void RunTrialsOfSetting(const TunePlan& plan, const std::vector<std::string>& about,
+                        const WorkRange& trials, const std::filesystem::path& database) {
+  const AboutSetting setting = FromTexts(about);
+  const TuneSplit split{.first_seed = setting.first_seed, .fitted = setting.seeds};
+  TuneBench(plan, setting.metrics, split, TunePart::kFitted, 1)
+      .RunTrials(setting.values, trials, database);
 }
 
 std::vector<std::size_t> TuneMetrics(const TunePlan& plan) {

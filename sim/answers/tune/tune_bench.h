@@ -1,12 +1,15 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "sim/answers/tune/filter_search.h"
 #include "sim/answers/tune/tune.h"
+#include "sim/study/elsewhere.h"
 #include "sim/study/scenario/scenario_reader.h"
+#include "sim/study/study_run.h"
 
 namespace gauntlet::sim {
 
@@ -31,7 +34,13 @@ class TuneBench {
   /// One that cannot be built has that as its problem. What plan.memo knows is not run.
   TunedSetting Run(const std::vector<std::string>& values, const Progress& progress) const;
 
+  /// Runs some of the trials of Run() into a `study.db`. Errors: UserError, SettingError; RunError.
+  void RunTrials(const std::vector<std::string>& values, const WorkRange& trials,
+                 const std::filesystem::path& database) const;
+
  private:
+  Study StudyWith(const std::vector<std::string>& values) const;
+  StudyOptions Options(const Progress& progress) const;
   TunedSetting Measure(const std::vector<std::string>& values, const Progress& progress) const;
   void Score(const StudyResult& result, TunedSetting& setting) const;
   void ScoreBlocks(const StudyResult& result, TunedSetting& setting) const;
@@ -46,6 +55,12 @@ class TuneBench {
   ScenarioSource source_;
   Study study_;
 };
+
+/// Runs some trials of one setting into a `study.db`, on one thread, in another process than its
+/// search. `about` is the text that Elsewhere::Begin() got there. Errors: UserError, SettingError;
+/// RunError.
+void RunTrialsOfSetting(const TunePlan& plan, const std::vector<std::string>& about,
+                        const WorkRange& trials, const std::filesystem::path& database);
 
 /// The scores of a plan: the minimised one, those of the constraints, delay, jitter and tracking.
 std::vector<std::size_t> TuneMetrics(const TunePlan& plan);

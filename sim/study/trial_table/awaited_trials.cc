@@ -13,7 +13,8 @@ constexpr auto kPatience = 20ms;  // between two looks for a stop
 
 }  // namespace
 
-AwaitedTrials::AwaitedTrials(const Study& study, int seeds, Elsewhere& elsewhere, TrialStore* kept)
+AwaitedTrials::AwaitedTrials(const Study& study, int seeds, Elsewhere& elsewhere, TrialStore* kept,
+                             const std::vector<std::string>& about)
     : study_(study),
       seeds_(SeedsThatDiffer(study, seeds)),
       identity_(IdentityOf(study)),
@@ -29,7 +30,7 @@ AwaitedTrials::AwaitedTrials(const Study& study, int seeds, Elsewhere& elsewhere
     }
     if (awaited_.size() > before) parts_.push_back(part);
   }
-  elsewhere_.Begin(parts_);
+  elsewhere_.Begin(parts_, about);
 }
 
 AwaitedTrials::Key AwaitedTrials::KeyOf(std::int64_t number) const {

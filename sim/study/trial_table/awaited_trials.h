@@ -3,6 +3,7 @@
 #include <map>
 #include <mutex>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -19,8 +20,10 @@ namespace gauntlet::sim {
 /// Any thread may call it. Errors: Cancelled; RunError for a part of another study.
 class AwaitedTrials final : public TrialStore {
  public:
-  /// `kept`: where all trials are kept, and taken from if they are there; null: nowhere.
-  AwaitedTrials(const Study& study, int seeds, Elsewhere& elsewhere, TrialStore* kept);
+  /// `kept`: where all trials are kept, and taken from if they are there; null: nowhere. `about`:
+  /// see Elsewhere::Begin().
+  AwaitedTrials(const Study& study, int seeds, Elsewhere& elsewhere, TrialStore* kept,
+                const std::vector<std::string>& about = {});
 
   bool Has(int seed, std::size_t controller) override;
   std::optional<TrialOutcome> Take(int seed, std::size_t controller) override;
