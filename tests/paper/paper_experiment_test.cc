@@ -119,5 +119,18 @@ TEST(PaperExperiment, DecidesClaimsByTheIntervalOfTheirDifference) {
   EXPECT_THROW(ControllerIndex(experiment.finished.result, "nobody"), UserError);
 }
 
+TEST(PaperExperiment, NeedsTheControllersOfItsClaims) {
+  try {
+    RunPaperExperiment({.scenario = SourceDir() + "/scenarios/paper_claims.yaml",
+                        .quick = true,
+                        .set = {"controllers={raw: {filter: none}}"},
+                        .progress = {}});
+    FAIL();
+  } catch (const UserError& error) {
+    EXPECT_STREQ(error.what(),
+                 "--set: controllers: leaves out mean_20, which the claims are about");
+  }
+}
+
 }  // namespace
 }  // namespace gauntlet::sim

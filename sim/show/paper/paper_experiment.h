@@ -63,6 +63,7 @@ struct GeneratorTest {
 /// All that the paper did and said, measured.
 struct PaperExperiment {
   bool quick = false;
+  std::vector<std::string> set = {};  // as asked for
   FinishedStudy finished;
   StudyResult rc_servo_result;  // raw and paper_kalman with RC servos
   StudyResult burst_result;     // tuned_kalman and prediction in fast_bursts
@@ -81,14 +82,16 @@ OneChannelTest RunOneChannelTest();
 GeneratorTest RunGeneratorTest(std::int64_t draws);
 
 struct PaperExperimentOptions {
-  std::filesystem::path scenario;  // paper_claims.yaml; fast_bursts.yaml stands beside it
-  bool quick = false;              // seconds instead of minutes of motion
+  std::filesystem::path scenario;     // paper_claims.yaml; fast_bursts.yaml stands beside it
+  bool quick = false;                 // seconds instead of minutes of motion
+  std::vector<std::string> set = {};  // changes of both, KEY=VALUE: the paper's test no more
   int jobs = 1;
   std::function<bool(double done, double total)> progress;
   std::function<void(const std::string&)> remark = {};  // see StudyOptions
 };
 
-/// Deterministic. Errors: UserError for the scenario, Cancelled.
+/// Deterministic. The bursts keep their own motion: `glove.motion` is not changed there. Errors:
+/// UserError for the scenario, also where a controller of the claims is not there; Cancelled.
 PaperExperiment RunPaperExperiment(const PaperExperimentOptions& options);
 
 /// Index of a controller by its name. Errors: UserError if the scenario has none of that name.

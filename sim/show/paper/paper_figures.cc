@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -116,34 +117,74 @@ PaperFigure Figure10(const OneChannelTest& test) {
           {{"figure_10.svg", SvgChart(whole)}, {"figure_10_near.svg", SvgChart(near)}}};
 }
 
+/// From where to where a joint's angle changes most within so many ticks.
+std::pair<Eigen::Index, Eigen::Index> LiveliestPart(const Signal& angle_rad, int joint,
+                                                    Eigen::Index samples, Eigen::Index length) {
+  const Eigen::Index end = std::min(samples, angle_rad.rows());
+  Eigen::Index first = 0;
+  double most_rad = -1.0;
+  for (Eigen::Index k = 0; k + length <= end; ++k) {
+    const double change_rad = std::abs(angle_rad(k + length - 1, joint) - angle_rad(k, joint));
+    if (change_rad > most_rad) {
+      most_rad = change_rad;
+      first = k;
+    }
+  }
+  return {first, std::min(first + length, end)};
+}
+
+/// The three curves of a channel, from one tick to before another.
+Chart ChartOfChannel(std::string title, const WayOfAngles& way, int joint,
+                     std::pair<Eigen::Index, Eigen::Index> ticks, double rate_hz,
+                     double behind_px) {
+  Chart chart = EmptyChart(std::move(title), "time [s]", "deg");
+  const auto [first, end] = ticks;
+  for (const auto& [name, angle] :
+       {std::pair{"original", &way.raw}, std::pair{"processed", &way.filtered},
+        std::pair{"sent to the motor", &way.command}}) {
+    const std::vector<double> all = Degrees(*angle, joint, end);
+    chart.curves.push_back({.name = name,
+                            .first_x = static_cast<double>(first) / rate_hz,
+                            .step_x = 1.0 / rate_hz,
+                            .values = {all.begin() + first, all.end()},
+                            .width_px = chart.curves.empty() ? behind_px : kOver_px});
+  }
+  return chart;
+}
+
 PaperFigure Figure12(const PaperExperiment& experiment) {
   const StudyResult& result = experiment.finished.result;
   const Trace& trace = result.first_traces[ControllerIndex(result, "paper_kalman")];
   const Study& study = experiment.finished.study;
   const WayOfAngles way = WayOf(trace, study.joint_map(), study.hand->transmission());
-  constexpr Eigen::Index kSamples = 4000;
+  const double rate_hz = result.first_glove->tick_rate_hz;
+  const auto ticks = [rate_hz](double time_s) {
+    return static_cast<Eigen::Index>(std::lround(time_s * rate_hz));
+  };
+  const Eigen::Index samples = std::min(ticks(4.0), way.raw.rows());
+  constexpr std::array kOfThePaper = {1, 5, 8, 10, 13, 16};
   std::vector<PaperChart> charts;
-  for (const int number : {1, 5, 8, 10, 13, 16}) {
+  const int channels = static_cast<int>(result.first_glove->channel_names.size());
+  for (int number = 1; number <= channels; ++number) {
     const int joint = number - 1;  // of a hand that has a joint for each channel
-    Chart chart =
-        EmptyChart(fmt::format("Figure 12: channel {}, {}", number,
-                               study.hand->joint_names()[static_cast<std::size_t>(joint)]),
-                   "time [s]", "deg");
-    for (const auto& [name, angle] :
-         {std::pair{"original", &way.raw}, std::pair{"processed", &way.filtered},
-          std::pair{"sent to the motor", &way.command}}) {
-      chart.curves.push_back({.name = name,
-                              .first_x = 0.0,
-                              .step_x = 1.0 / result.first_glove->tick_rate_hz,
-                              .values = Degrees(*angle, joint, kSamples),
-                              .width_px = chart.curves.empty() ? kBehind_px : kOver_px});
-    }
-    charts.push_back({fmt::format("figure_12_channel_{:02}.svg", number), SvgChart(chart)});
+    const bool is_extra = std::ranges::count(kOfThePaper, number) == 0;
+    const std::string& name = study.hand->joint_names()[static_cast<std::size_t>(joint)];
+    const auto near = LiveliestPart(way.filtered, joint, samples, ticks(0.3));
+    charts.push_back(
+        {fmt::format("figure_12_channel_{:02}.svg", number),
+         SvgChart(ChartOfChannel(fmt::format("Figure 12: channel {}, {}", number, name), way, joint,
+                                 {0, samples}, rate_hz, kBehind_px)),
+         is_extra});
+    charts.push_back(
+        {fmt::format("figure_12_channel_{:02}_near.svg", number),
+         SvgChart(ChartOfChannel(fmt::format("Channel {}, nearer: its fastest 0.3 s", number), way,
+                                 joint, near, rate_hz, kOver_px)),
+         is_extra});
   }
   return {"figure_12",
-          "The six channels of the paper for four seconds, with the paper's filter. The command is "
+          "Six channels as in the paper for four seconds, with the paper's filter. The command is "
           "what the servos hold: integer, a frame every 20 ms, later by the link delay.",
-          charts};
+          charts, "The other twelve channels"};
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "sim/show/paper/paper_page.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -127,6 +128,29 @@ ResultTable FilterTable(const std::vector<PaperFilter>& filters) {
   return table;
 }
 
+/// R of each channel: the paper's, and that of this glove at rest.
+ResultTable NoiseTable(const PaperExperiment& experiment) {
+  ResultTable table{.columns = {ForPeople("Channel"), WordColumn("Sensor"),
+                                ForPeople("R of the paper, counts2"),
+                                ForPeople("R estimated here (95 % CI)"),
+                                ForPeople("Passes at once"), ForPeople("Noise left")}};
+  const std::vector<double> paper = controller::PaperMeasurementVariance();
+  const controller::NoiseEstimate& here = experiment.estimated_noise;
+  const auto filter = std::ranges::find(experiment.filters, "paper_kalman", &PaperFilter::name);
+  const std::vector<std::string>& names = experiment.finished.result.first_glove->channel_names;
+  const std::size_t count = std::min({paper.size(), here.variance.size(), names.size()});
+  for (std::size_t c = 0; c < count; ++c) {
+    table.rows.push_back(
+        {ResultCell::Text(fmt::to_string(c + 1)), ResultCell::Text(names[c]),
+         ResultCell::Text(fmt::format("{:.2f}", paper[c])),
+         ResultCell::Text(fmt::format("{:.2f} ({:.2f} to {:.2f})", here.variance[c],
+                                      here.variance_low[c], here.variance_high[c])),
+         ResultCell::Text(fmt::format("{:.2f}", filter->gain[c])),
+         ResultCell::Text(fmt::format("{:.2f}", filter->noise_share[c]))});
+  }
+  return table;
+}
+
 /// How many of the paper's 18 variances lie in the interval of what was estimated.
 int VariancesInside(const PaperExperiment& experiment) {
   const std::vector<double> paper = controller::PaperMeasurementVariance();
@@ -186,18 +210,22 @@ Values ValuesOfStudy(const PaperExperiment& e) {
   const StudyResult& result = e.finished.result;
   const GloveSignal& glove = *result.first_glove;
   const Scenario& scenario = e.finished.study.scenario;
-  Values values = {{"claims", fmt::to_string(e.claims.size())},
-                   {"answers", AnswersText(e.claims)},
-                   {"controllers", fmt::to_string(result.controller_names.size())},
-                   {"seeds", fmt::to_string(result.seeds.size())},
-                   {"quick", e.quick ? " · quick: 6 s of motion instead of the paper's 94" : ""},
-                   {"samples", fmt::to_string(glove.counts.rows())},
-                   {"channels", fmt::to_string(glove.counts.cols())},
-                   {"least_counts", fmt::to_string(glove.counts.minCoeff())},
-                   {"most_counts", fmt::to_string(glove.counts.maxCoeff())},
-                   {"rate_hz", fmt::format("{:g}", glove.rate_hz)},
-                   {"period_ms", fmt::format("{:g}", scenario.event.period_ms)},
-                   {"delay_ms", fmt::format("{:g}", scenario.event.delay_ms)}};
+  Values values = {
+      {"claims", fmt::to_string(e.claims.size())},
+      {"answers", AnswersText(e.claims)},
+      {"controllers", fmt::to_string(result.controller_names.size())},
+      {"seeds", fmt::to_string(result.seeds.size())},
+      {"quick", e.quick ? " · quick: 6 s of motion instead of the paper's 94" : ""},
+      {"with", e.set.empty() ? "With Q = I" : "As set here,"},
+      {"set",
+       e.set.empty() ? "" : fmt::format(" · not as in the paper: {}", fmt::join(e.set, ", "))},
+      {"samples", fmt::to_string(glove.counts.rows())},
+      {"channels", fmt::to_string(glove.counts.cols())},
+      {"least_counts", fmt::to_string(glove.counts.minCoeff())},
+      {"most_counts", fmt::to_string(glove.counts.maxCoeff())},
+      {"rate_hz", fmt::format("{:g}", glove.rate_hz)},
+      {"period_ms", fmt::format("{:g}", scenario.event.period_ms)},
+      {"delay_ms", fmt::format("{:g}", scenario.event.delay_ms)}};
   for (const char* row : {"P4", "P16", "P18"}) values[row] = ClaimsOfRow(e, row);
   for (const ControllerSummary& controller : e.finished.summary.controllers) {
     for (std::size_t m = 0; m < Metrics().size(); ++m) {
@@ -235,9 +263,15 @@ Values ValuesOfTests(const PaperExperiment& e) {
 std::string FigureHtml(const std::vector<PaperFigure>& figures) {
   std::string html;
   for (const PaperFigure& figure : figures) {
-    html += fmt::format("<figure id=\"{}\"><div class=\"pair\">", figure.name);
-    for (const PaperChart& chart : figure.charts) html += chart.svg;
-    html += fmt::format("</div><figcaption>{}</figcaption></figure>\n", EscapeHtml(figure.caption));
+    std::string charts, others;
+    for (const PaperChart& chart : figure.charts) (chart.is_extra ? others : charts) += chart.svg;
+    if (!others.empty()) {
+      others = fmt::format("<details><summary>{}</summary><div class=\"pair\">{}</div></details>",
+                           EscapeHtml(figure.extra_title), others);
+    }
+    html += fmt::format(
+        "<figure id=\"{}\"><div class=\"pair\">{}</div>{}<figcaption>{}</figcaption></figure>\n",
+        figure.name, charts, others, EscapeHtml(figure.caption));
   }
   return html;
 }
@@ -248,7 +282,7 @@ std::string PaperVerdict(const PaperExperiment& experiment) {
   Values values = ValuesOfStudy(experiment);
   values.merge(ValuesOfTests(experiment));
   return FillTemplate(
-      "Of {{claims}} claims: {{answers}}. With Q = I the paper's filter leaves "
+      "Of {{claims}} claims: {{answers}}. {{with}} the paper's filter leaves "
       "{{paper_kalman.noise}} of the glove's noise and takes jitter from {{raw.jitter_rms_deg}} to "
       "{{paper_kalman.jitter_rms_deg}} deg RMS; a tuned Q takes it to "
       "{{tuned_kalman.jitter_rms_deg}}, with a tracking error of "
@@ -269,24 +303,39 @@ std::string PaperPage(const PaperExperiment& experiment, const std::vector<Paper
   values["claim_table"] = TableHtml(ClaimTable(experiment));
   values["scores"] = ScoresHtml(experiment.finished);
   values["filters"] = TableHtml(FilterTable(experiment.filters));
+  values["noise"] = TableHtml(NoiseTable(experiment));
   values["figures"] = FigureHtml(figures);
   return FillTemplate(kPaperHtml, values);
 }
 
 std::string PaperTable(const PaperExperiment& experiment) {
-  std::string out;
+  constexpr std::size_t kWidth = 80;
+  constexpr std::size_t kIndent = 21;
+  const std::string indent(kIndent, ' ');
+  const auto lines = [&](const std::string& text) {
+    std::string wrapped = Wrapped(text, kWidth - kIndent);
+    for (std::size_t at = 0; (at = wrapped.find('\n', at)) != std::string::npos;) {
+      wrapped.insert(++at, indent);
+    }
+    return wrapped + "\n";
+  };
+  std::string out = Wrapped(PaperVerdict(experiment), kWidth) + "\n";
+  if (experiment.quick) out += "Quick: 6 s of motion instead of the paper's 94.\n";
+  if (!experiment.set.empty()) {
+    out += Wrapped(fmt::format("Not as in the paper: {}", fmt::join(experiment.set, ", ")), kWidth);
+    out += "\n";
+  }
+  out += "\n";
   for (const Claim& claim : experiment.claims) {
     const auto& [difference, relevant_difference, judgement] = claim.comparison;
-    out += fmt::format("{:<19}  {}\n", AnswerText(judgement), claim.claim);
-    out += fmt::format("{:21}{} -> {}  {}\n", "", Short(claim.before), Short(claim.after),
-                       claim.measured);
-    out += fmt::format("{:21}difference {}, smallest relevant {}\n", "", DifferenceText(difference),
-                       Short(relevant_difference));
-    if (!claim.costs.empty()) out += fmt::format("{:21}costs {}\n", "", claim.costs);
+    out += fmt::format("{:<{}}{}", AnswerText(judgement), kIndent, lines(claim.claim));
+    out += indent + lines(fmt::format("{} -> {}  {}", Short(claim.before), Short(claim.after),
+                                      claim.measured));
+    out += indent + lines(fmt::format("difference {}, smallest relevant {}",
+                                      DifferenceText(difference), Short(relevant_difference)));
+    if (!claim.costs.empty()) out += indent + lines("costs " + claim.costs);
   }
-  out += "Simultaneous 95 % confidence intervals, paired by seed (Bonferroni).\n";
-  if (experiment.quick) out += "\nQuick: 6 s of motion instead of the paper's 94.";
-  return out + "\n" + PaperVerdict(experiment) + "\n";
+  return out + "\nSimultaneous 95 % confidence intervals, paired by seed (Bonferroni).\n";
 }
 
 }  // namespace gauntlet::sim
