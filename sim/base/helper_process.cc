@@ -16,7 +16,6 @@
 #include <cstdint>
 #include <ctime>
 #include <exception>
-#include <fstream>
 #include <mutex>
 #include <new>
 #include <string>
@@ -24,20 +23,13 @@
 #include <utility>
 
 #include "sim/base/error.h"
+#include "sim/base/process_limits.h"
 
 namespace gauntlet::sim {
 namespace {
 
 constexpr int kPollsPerSecond = 20;
 constexpr std::size_t kLongestError = 1000;
-
-void Limit(int resource, rlim_t most) {
-  rlimit limit = {};
-  getrlimit(resource, &limit);
-  limit.rlim_max = std::min(limit.rlim_max, most);
-  limit.rlim_cur = limit.rlim_max;
-  setrlimit(resource, &limit);
-}
 
 /// Two limits: the timer has a resolution of microseconds and a signal of its own (SIGPROF). The
 /// work could switch it off, but not the limit in whole seconds.
@@ -47,19 +39,12 @@ void LimitProcessorTime(double limit_s) {
   timer.it_value.tv_sec = whole_s;
   timer.it_value.tv_usec = static_cast<std::int64_t>((limit_s - whole_s) * 1e6);
   setitimer(ITIMER_PROF, &timer, nullptr);
-  Limit(RLIMIT_CPU, static_cast<rlim_t>(whole_s + 2));
+  LimitResource(RLIMIT_CPU, static_cast<rlim_t>(whole_s + 2));
 }
 
 std::shared_mutex& StartOfHelpers() {
   static std::shared_mutex mutex;
   return mutex;
-}
-
-/// Address space of this process in bytes; 0 if the system does not report it.
-std::size_t AddressSpaceBytes() {
-  std::size_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
 /// Processor time of a child that runs; 0 if the system does not report it.
@@ -68,30 +53,6 @@ double ProcessorTimeOf(pid_t process) {
   timespec time = {};
   if (clock_getcpuclockid(process, &clock) != 0 || clock_gettime(clock, &time) != 0) return 0.0;
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;  // sanitizers reserve terabytes of address space
-#else
-constexpr bool kSanitized = false;
-#endif
-
-void LimitMemory(std::size_t more_bytes) {
-  if (kSanitized) return;
-  if (const std::size_t now = AddressSpaceBytes(); now > 0) Limit(RLIMIT_AS, now + more_bytes);
-}
-
-/// Redirects the standard streams to /dev/null and closes every descriptor but the pipe. Returns
-/// the pipe's new number.
-int CloseAllBut(int pipe) {
-  const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
-  constexpr int kPipe = 3;
-  if (pipe != kPipe) dup2(pipe, kPipe);
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    nowhere < 0 ? close(stream) : dup2(nowhere, stream);
-  }
-  close_range(kPipe + 1, ~0U, 0);
-  return kPipe;
 }
 
 bool WriteAll(int pipe, const char* data, std::size_t size) {
@@ -121,11 +82,9 @@ void HelperProcess::WriteFrame(int pipe, Frame frame, std::span<const char> byte
 void HelperProcess::Work(const std::function<void(const Send&)>& work, const HelperLimits& limits,
                          int pipe) {
   for (const int signal : {SIGPIPE, SIGPROF, SIGXFSZ}) std::signal(signal, SIG_DFL);
-  pipe = CloseAllBut(pipe);
-  prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-  prctl(PR_SET_DUMPABLE, 0);
-  Limit(RLIMIT_CORE, 0);
-  Limit(RLIMIT_FSIZE, 0);
+  if (pipe <= STDERR_FILENO) pipe = fcntl(pipe, F_DUPFD, STDERR_FILENO + 1);
+  KeepOnly({pipe});
+  DropRights();
   LimitProcessorTime(limits.processor_s);
   LimitMemory(limits.memory_bytes);
   std::string error;
@@ -249,7 +208,7 @@ void HelperProcess::Finish() {
   if (left_of_frame_ > 0 || NextFrame()) throw HelperEnded("gave more than it should");
 }
 
-void OpenNoMoreFiles() { Limit(RLIMIT_NOFILE, 0); }
+void OpenNoMoreFiles() { LimitResource(RLIMIT_NOFILE, 0); }
 
 void ReadOnlyBelow(std::initializer_list<std::filesystem::path> folders) {
   constexpr std::uint64_t kReading = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;

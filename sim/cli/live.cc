@@ -193,7 +193,8 @@ std::unique_ptr<LiveServer> ServePage(const LiveCommand& command, const Study& s
   LiveServerConfig config{.address = command.listen,
                           .port = command.page,
                           .nonce = RandomToken(),
-                          .controllers = ControllerNames(setup)};
+                          .controllers = ControllerNames(setup),
+                          .say = setup.say};
   config.page = LivePage(study, setup, recording, config.nonce);
   auto server = std::make_unique<LiveServer>(std::move(config), *setup.view);
   Say("gauntlet: page at {}\n", server->Address());

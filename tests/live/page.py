@@ -280,4 +280,5 @@ def main():
             print(f"{name}: {time.monotonic() - begin:.1f} s")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,15 +21,17 @@ struct LiveServerConfig {
   std::string page = {};              // HTML, see LivePage()
   std::string nonce = {};             // of its scripts
   std::vector<std::string> controllers = {};
+  std::function<void(const std::string&)> say = {};  // a line for the user
+  std::string token = {};                            // set by the server
 };
 
-/// Serves the page of a session by HTTP from threads of its own, of low priority, until it is
+/// Serves the page of a session by HTTP from a process of its own, of low priority, until it is
 /// destroyed; that may take 2 s. See README.md for its requests, and SECURITY.md for what it
 /// promises.
 class LiveServer {
  public:
-  /// Keeps `view`. Errors: UserError for a place that cannot be had, with key `--page`; RunError if
-  /// no thread starts.
+  /// Keeps `view`. To be made while no other thread runs. Errors: UserError for a place that cannot
+  /// be had, with key `--page`; RunError if no process or thread starts.
   LiveServer(LiveServerConfig config, LiveView& view);
   ~LiveServer();
   LiveServer(const LiveServer&) = delete;
