@@ -134,6 +134,8 @@ def test_requests_of_more_than_8_kb_are_refused(place):
             check(session.ask()[0] == 200, f"after {what} of {size}")
     for request in (b"GET /?" + b"a" * 8192, b"GET / HTTP/1.1\r\nA: " + b"a" * 8192):
         check(answer_to(session, request).startswith(b"HTTP/1.1 431"), "no 431")
+    for size, expected in ((256, 400), (257, 413)):  # 256 letters are no controller's name
+        check(session.ask("POST", "/switch", body="a" * size)[0] == expected, f"a body of {size}")
     check(processes_of(session)[1] == server, "the server was started again")
     if not IS_SANITIZED:
         grown_kb = status_of(session.process.pid, "VmRSS") - own_kb
@@ -219,6 +221,33 @@ def test_200_slow_clients_delay_no_good_request(place):
     check(IS_SANITIZED or grown_kb < MOST_GROWN_KB, f"the session takes {grown_kb} KB more")
     check(processes_of(session)[1] == server, "the server was started again")
     end(session)
+
+
+def test_four_browsers_watch_until_the_end(place):
+    session = Session(place / "live")
+    streams = [connect(session) for _ in range(4)]
+    for stream in streams:
+        stream.sendall(head(session, "/events"))
+        check(stream.recv(12) == b"HTTP/1.1 200", "no stream")
+    fifth = answer_to(session, head(session, "/events"))
+    check(fifth.startswith(b"HTTP/1.1 503") and b"\r\nRetry-After: 5\r\n" in fifth, fifth.decode())
+    streams.pop().close()
+    wait_for(lambda: next(session.events()), "no stream in place of another")
+    received = [b""] * len(streams)
+
+    def read(i):
+        while part := streams[i].recv(65536):
+            received[i] += part
+
+    threads = [threading.Thread(target=read, args=(i,)) for i in range(len(streams))]
+    for thread in threads:
+        thread.start()
+    time.sleep(0.5)
+    end(session)
+    for thread in threads:
+        thread.join()
+    for text in received:
+        check(text.count(b'"commands":') > 10 and text.endswith(b'\n\ndata: {"has_ended":true}\n\n'), str(text[-200:]))
 
 
 def test_a_connection_too_many_ends_the_oldest(place):
