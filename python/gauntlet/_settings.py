@@ -4,10 +4,12 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Optional, Tuple, Union
 
 from ._errors import SettingError
-from ._filters import Filters
+
+if TYPE_CHECKING:  # gauntlet_controller has none
+    from ._filters import Filters
 
 #: A file (the name of a ready one, too), the text of a YAML file (of two lines or more), or a dict.
 Settings = Union[str, "os.PathLike[str]", Mapping]

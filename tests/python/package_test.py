@@ -68,6 +68,18 @@ class Package(Test):
         done = subprocess.run([sys.executable, "-c", code], text=True, capture_output=True)
         self.assertEqual(done.stderr.splitlines()[-1], "ImportError: gauntlet needs numpy: pip install numpy")
 
+    def test_refuses_a_numpy_that_it_would_misread(self):
+        # pybind11 before 2.12 gives wrong values for arrays of numpy 2: Debian 12 has 2.10.3 and numpy 1.24.2.
+        code = "import numpy; numpy.__version__ = '2.0.1'; import gauntlet; print('reads it')"
+        done = subprocess.run([sys.executable, "-c", code], text=True, capture_output=True)
+        header = pathlib.Path("/usr/include/pybind11/detail/common.h").read_text()
+        minor = int(re.search(r"define PYBIND11_VERSION_MINOR (\d+)", header)[1])
+        if minor < 12:
+            self.assertEqual(done.stderr.splitlines()[-1], "ImportError: this build of gauntlet is for numpy 1 (it was made with pybind11 "
+                             "before 2.12), and numpy 2.0.1 is here; take python3-numpy of the system, or the wheel")
+        else:
+            self.assertEqual(done.stdout, "reads it\n")
+
     def test_looks_where_the_variable_says(self):
         code = "import gauntlet; gauntlet.run('hold_still', set={'glove.motion.duration_s': 0.3})"
         environment = {**os.environ, "GAUNTLET_DATA_DIR": str(self.folder)}
