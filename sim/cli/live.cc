@@ -343,7 +343,8 @@ void RunLiveCommand(const LiveCommand& command) {
                                               ? folder.path() / "recording.csv"
                                               : std::filesystem::path(command.record);
   const bool has_recording = glove_address || !command.record.empty();
-  LiveView view(study.calibration.channel_names.size(), study.hand->joint_names().size());
+  LiveView view(study.calibration.channel_names.size(), study.hand->joint_names().size(),
+                1 + setup.shadows.size(), study.hand->timing().tick_rate_hz());
   if (command.page != kNoPage) setup.view = &view;
   // Only who watches may mark the hand still, and only then the counts are asked for.
   const RecordingPlaces places{.angles = has_recording ? recording : std::filesystem::path(),
@@ -360,6 +361,8 @@ void RunLiveCommand(const LiveCommand& command) {
   {
     const EndsAtSecondSignal gently;
     const auto server = ServePage(command, study, setup, has_recording ? recording.string() : "");
+    std::optional<RunningScores> scores;
+    if (server) scores.emplace(RunningScoringOf(study, setup), view);
     result = RunLive(setup);
   }
   if (!result.columns_remark.empty()) Say("gauntlet: {}\n", result.columns_remark);

@@ -10,8 +10,9 @@
 #include "sim/answers/compare/study_files.h"
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
-#include "sim/score/metrics.h"
+#include "sim/live/target_scores.h"
 #include "sim/show/pages/report_page.h"
+#include "sim/study/counted_parts.h"
 #include "sim/study/trial_score.h"
 #include "sim/trial/joint_angles.h"
 #include "sim/trial/trace_signals.h"
@@ -75,20 +76,55 @@ FinishedStudy FinishedOf(Study study, std::shared_ptr<const GloveSignal> glove, 
   return finished;
 }
 
-ShadowScore ScoreOf(const FinishedStudy& finished, const std::string& name,
-                    const Signal& target_rad, const DurationHistogram& step) {
-  Trace asked;
-  asked.controller_name = name;
-  asked.hand_angle_rad = target_rad;
-  const Scores scores = ScoreTrial(
-      finished.study, finished.study.scenario.controllers.front().config,
-      *finished.result.first_glove, finished.result.first_reference_rad, asked, std::nullopt);
-  const auto of = [&](std::string_view key) { return scores.summary[MetricIndex(key)]; };
-  return {.name = name,
-          .jitter_rms_deg = of("jitter_rms_deg"),
-          .delay_ms = of("delay_ms"),
-          .tracking_rmse_deg = of("tracking_rmse_deg"),
-          .step_p99_us = step.Quantile_us(0.99)};
+TargetScoring ScoringOf(const Study& study) {
+  return {.rate_hz = study.hand->timing().tick_rate_hz(),
+          .jitter_above_hz = study.scenario.score.jitter_above_hz,
+          .joints = study.measured_joints,
+          .joint_names = study.measured_joint_names};
+}
+
+/// Of each controller, the one that began and the shadows.
+std::vector<double> EarliestDelays_s(const LiveSetup& setup) {
+  const HandModel& hand = *setup.trial.hand;
+  std::vector<double> earliest_s = {EarliestAskedDelay_s(hand, setup.trial.controller)};
+  for (const ShadowSetup& shadow : setup.shadows) {
+    earliest_s.push_back(EarliestAskedDelay_s(hand, shadow.controller));
+  }
+  return earliest_s;
+}
+
+std::vector<ShadowScore> ScoreShadows(const LiveRecord& record, const FinishedStudy& finished,
+                                      LiveResult& result) {
+  const Signal& driven_rad = finished.result.first_traces.front().target_angle_rad;
+  const Index ticks = driven_rad.rows();
+  const std::optional<CountedParts> counted =
+      CountedPartsOf(finished.study, finished.result.first_glove->masked, static_cast<int>(ticks));
+  const std::vector<double> earliest_s = EarliestDelays_s(*record.setup);
+  std::vector<ShadowScore> shadows;
+  std::vector<AskedAngles> asked;
+  const auto add = [&](std::size_t controller, const std::string& name, const Signal& asked_rad,
+                       double step_p99_us) {
+    shadows.push_back({.name = name, .drives = controller == 0, .step_p99_us = step_p99_us});
+    asked.push_back({.reference_rad = &finished.result.first_reference_rad,
+                     .asked_rad = &asked_rad,
+                     .counted = counted ? &*counted : nullptr,
+                     .earliest_delay_s = earliest_s[controller]});
+  };
+  add(0, record.setup->trial.controller_name, driven_rad,
+      result.facts.switch_count > 0 ? controller::kNaN : result.facts.step_cpu.Quantile_us(0.99));
+  for (std::size_t i = 0; i < result.shadows.size(); ++i) {
+    Signal& target_rad = result.shadows[i].target_angle_rad;
+    if (target_rad.rows() < ticks) continue;  // the log was too slow
+    target_rad.KeepRows(ticks);
+    add(i + 1, record.setup->shadows[i].name, target_rad, result.shadows[i].step.Quantile_us(0.99));
+  }
+  const std::vector<TargetScores> scores = ScoreTargets(ScoringOf(finished.study), asked);
+  for (std::size_t i = 0; i < shadows.size(); ++i) {
+    shadows[i].jitter_rms_deg = scores[i].jitter_rms_deg;
+    shadows[i].delay_ms = scores[i].delay_ms;
+    shadows[i].tracking_rmse_deg = scores[i].tracking_rmse_deg;
+  }
+  return shadows;
 }
 
 }  // namespace
@@ -148,20 +184,23 @@ LiveOutcome ScoreSession(const LiveRecord& record, const std::filesystem::path& 
                     result.facts.switches.front().time_s);
   }
   if (result.shadows.empty()) return outcome;
-  const Trace& driven = outcome.finished->result.first_traces.front();
-  outcome.shadows.push_back(ScoreOf(*outcome.finished, record.setup->trial.controller_name,
-                                    driven.target_angle_rad, result.facts.step_cpu));
-  outcome.shadows.front().drives = true;
-  if (result.facts.switch_count > 0) outcome.shadows.front().step_p99_us = controller::kNaN;
-  const Index ticks = driven.target_angle_rad.rows();
-  for (std::size_t i = 0; i < result.shadows.size(); ++i) {
-    Signal& target_rad = result.shadows[i].target_angle_rad;
-    if (target_rad.rows() < ticks) continue;  // the log was too slow
-    target_rad.KeepRows(ticks);
-    outcome.shadows.push_back(ScoreOf(*outcome.finished, record.setup->shadows[i].name, target_rad,
-                                      result.shadows[i].step));
-  }
+  outcome.shadows = ScoreShadows(record, *outcome.finished, result);
   return outcome;
+}
+
+RunningScoring RunningScoringOf(const Study& study, const LiveSetup& setup) {
+  RunningScoring how{.scoring = ScoringOf(study),
+                     .earliest_delay_s = EarliestDelays_s(setup),
+                     .joint_map = study.joint_map(),
+                     .simulated_glove = setup.simulated_glove,
+                     .smoothing_hz = RecordedMotionConfig{}.smoothing_hz,
+                     .longest_gap_s = 1e-3 * RecordedMotionConfig{}.longest_gap_ms,
+                     .recovery_s = study.scenario.score.recovery_s};
+  if (setup.simulated_glove) {
+    how.counted = CountedPartsOf(study, setup.simulated_glove->masked,
+                                 static_cast<int>(setup.simulated_glove->true_angle_rad.rows()));
+  }
+  return how;
 }
 
 void WriteSession(const std::filesystem::path& folder, const FinishedStudy& finished) {

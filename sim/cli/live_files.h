@@ -8,6 +8,7 @@
 #include "sim/answers/compare/summary.h"
 #include "sim/live/live_report.h"
 #include "sim/live/live_session.h"
+#include "sim/live/running_scores.h"
 #include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
@@ -35,6 +36,9 @@ double TraceLength_s(double seconds, double motion_s);
 /// of `result`. Errors: UserError for a recording that cannot be read back.
 LiveOutcome ScoreSession(const LiveRecord& record, const std::filesystem::path& recording,
                          const std::filesystem::path& folder, LiveResult& result);
+
+/// How the running scores of a page are to be computed: as those above.
+RunningScoring RunningScoringOf(const Study& study, const LiveSetup& setup);
 
 /// Writes the files that `gauntlet report` and `render` open.
 void WriteSession(const std::filesystem::path& folder, const FinishedStudy& finished);

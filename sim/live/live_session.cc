@@ -53,7 +53,9 @@ class Session {
   void KeepTargets() noexcept;
   void SwitchIfAsked() noexcept;
   void MarkIfAsked() noexcept;
-  void ShowMoment(std::int64_t lateness_ns) noexcept;
+  std::span<const double> AskedAngles_rad() const noexcept;
+  void ShowTick() noexcept;
+  void ShowMoment(const PeriodicWake::Woken& woken) noexcept;
   bool IsDone() noexcept;
   void BeginEnd(LiveEnd end) noexcept;
   double Time_s() const noexcept {
@@ -87,6 +89,7 @@ class Session {
   std::int64_t end_tick_ = 0;
   std::int64_t last_sample_number_ = -1;
   std::int64_t noted_sample_ = -1;
+  std::int64_t shown_sample_ = -1;
   std::int64_t ticks_to_show_ = 0;
   std::int64_t largest_lateness_ns_ = 0;  // since the moment that was shown last
 };
@@ -227,14 +230,32 @@ void Session::MarkIfAsked() noexcept {
   if (is_still_) still.back().end_s = Time_s();
 }
 
-void Session::ShowMoment(std::int64_t lateness_ns) noexcept {
+/// Of all controllers, in the order of LiveView::Ask().
+std::span<const double> Session::AskedAngles_rad() const noexcept {
+  return shadows_.exist() ? shadows_.asked_rad() : loop_.controller().target_angle_rad();
+}
+
+/// Before the hand steps, as the tick ends there.
+void Session::ShowTick() noexcept {
+  if (setup_.view == nullptr || is_ending_) return;
+  const std::int64_t sample = glove_->sample().number;
+  setup_.view->ShowTick(
+      {.number = loop_.tick(), .driving = switch_.driving(), .has_sample = sample != shown_sample_},
+      loop_.controller().linearised_angle_rad(), loop_.controller().target_angle_rad(),
+      AskedAngles_rad());
+  shown_sample_ = sample;
+}
+
+void Session::ShowMoment(const PeriodicWake::Woken& woken) noexcept {
   if (setup_.view == nullptr) return;
-  largest_lateness_ns_ = std::max(largest_lateness_ns_, lateness_ns);
+  largest_lateness_ns_ = std::max(largest_lateness_ns_, woken.lateness_ns);
   if (--ticks_to_show_ > 0) return;
   ticks_to_show_ = std::llround(timing_.tick_rate_hz / LiveView::kRate_hz);
   const LiveFacts& facts = result_.facts;
   const Receiver* receiver = loop_.glove_receiver();
   const controller::Controller& controller = loop_.controller();
+  const SampleTimes& sample = glove_->sample();
+  const std::int64_t now_ns = woken.nominal_ns + woken.lateness_ns;
   loop_.hand().ReadJointAngles(hand_rad_);
   setup_.view->Show(
       {.time_s = Time_s(),
@@ -247,9 +268,12 @@ void Session::ShowMoment(std::int64_t lateness_ns) noexcept {
        .repeated_samples = facts.repeated_samples,
        .driving = switch_.driving(),
        .is_still = is_still_,
+       .is_ending = is_ending_,
        .tier = loop_.watchdog_tier(),
+       .silent_s = sample.number < 0 ? 0.0 : 1e-9 * static_cast<double>(now_ns - sample.arrival_ns),
        .has_sink = !output_.is_gone()},
-      controller.linearised_angle_rad(), controller.target_angle_rad(), hand_rad_);
+      controller.linearised_angle_rad(), controller.target_angle_rad(), hand_rad_,
+      AskedAngles_rad());
   largest_lateness_ns_ = 0;
 }
 
@@ -280,13 +304,14 @@ void Session::Tick(const PeriodicWake& wake, const PeriodicWake::Woken& woken) n
   // After the command, and with the same samples.
   shadows_.Step(loop_.taken_counts());
   KeepTargets();
+  ShowTick();
   loop_.StepHand(frame);
   WatchTiers();
   if (!is_ending_) {
     ++facts.ticks;
     if (IsTraced() && loop_.hand().health().ok) log_->AddTick(loop_);
   }
-  ShowMoment(woken.lateness_ns);
+  ShowMoment(woken);
   facts.tick_work.Add(MonotonicNow_ns() - woken_ns);
 }
 

@@ -24,37 +24,62 @@ struct LiveMoment {
   std::int64_t repeated_samples = 0;  // commands with the sample of the one before
   int driving = 0;                    // number of the controller, as in LiveView::Ask()
   bool is_still = false;              // as marked
+  bool is_ending = false;             // real motors turn to their rest positions
   Watchdog::Tier tier = Watchdog::Tier::kFollow;
-  bool has_sink = true;  // false: the motors do not listen
+  double silent_s = 0.0;  // since the last sample arrived
+  bool has_sink = true;   // false: the motors do not listen
+};
+
+/// A tick of a running session, for running scores.
+struct ShownTick {
+  std::int64_t number = 0;  // as of the trace; ticks that were skipped are missing
+  int driving = 0;          // number of the controller, as in LiveView::Ask()
+  bool has_sample = false;  // a new one
+};
+
+/// Running scores of one controller, see running_scores.h; NaN for a score without a value.
+struct RunningScore {
+  double over_s = 0.0;  // the time that they are of
+  double jitter_rms_deg = 0.0;
+  double delay_ms = 0.0;
 };
 
 /// A running session for one other thread, which watches it, may ask for another controller and may
-/// mark when the hand is still. The threads of the session neither wait, lock nor allocate for it:
-/// without a watcher, and with one that is too slow, rows are left out.
+/// mark when the hand is still; and for a further one, which computes running scores for it. The
+/// threads of the session neither wait, lock nor allocate for them: without a watcher, and with one
+/// that is too slow, rows are left out.
 class LiveView {
  public:
   static constexpr double kRate_hz = 50.0;
   static constexpr std::size_t kStageRows = 7;
+  static constexpr std::size_t kNumbersOfScore = 3;
 
-  LiveView(std::size_t channels, std::size_t joints)
-      : moments_(64, channels + 2 * joints),
-        row_(channels + 2 * joints),
+  LiveView(std::size_t channels, std::size_t joints, std::size_t controllers, double tick_rate_hz)
+      : moments_(64, channels + (2 + controllers) * joints),
+        ticks_(static_cast<std::size_t>(2.0 * tick_rate_hz), channels + (1 + controllers) * joints),
+        scores_(8, kNumbersOfScore * controllers),
+        row_(moments_.width()),
+        score_row_(scores_.width()),
         channels_(channels),
-        joints_(joints) {}
+        joints_(joints),
+        controllers_(controllers) {}
 
   std::size_t channels() const noexcept { return channels_; }
   std::size_t joints() const noexcept { return joints_; }
+  std::size_t controllers() const noexcept { return controllers_; }
 
-  /// Called by the control thread. Shapes: glove, a value per channel; the others, one per joint.
+  /// Called by the control thread. Shapes: glove, a value per channel; command and hand, one per
+  /// joint; asked, what each controller asks of the joints by itself, controllers x joints.
   /// Units: rad.
   void Show(const LiveMoment& moment, std::span<const double> glove_rad,
-            std::span<const double> command_rad, std::span<const double> hand_rad) noexcept {
-    GAUNTLET_ASSERT(glove_rad.size() == channels_ && command_rad.size() == joints_ &&
-                    hand_rad.size() == joints_);
-    auto place = std::ranges::copy(glove_rad, row_.begin()).out;
-    place = std::ranges::copy(command_rad, place).out;
-    std::ranges::copy(hand_rad, place);
-    moments_.Push(moment, row_);
+            std::span<const double> command_rad, std::span<const double> hand_rad,
+            std::span<const double> asked_rad) noexcept {
+    moments_.Push(moment, Joined(glove_rad, command_rad, hand_rad, asked_rad));
+  }
+  /// The same of each tick.
+  void ShowTick(const ShownTick& tick, std::span<const double> glove_rad,
+                std::span<const double> command_rad, std::span<const double> asked_rad) noexcept {
+    ticks_.Push(tick, Joined(glove_rad, command_rad, {}, asked_rad));
   }
   /// Called by the thread that sends commands: the stages of one, as in stage_clock.h [us].
   void ShowStages(std::span<const double> stages_us) noexcept { stages_.Push(0, stages_us); }
@@ -74,18 +99,59 @@ class LiveView {
   bool Next(const Use& use) {
     return moments_.Pop(use);
   }
-  /// As the function above, for stages: use(stages_us).
+  /// Called by the thread of the running scores, as above: use(tick, values) for the oldest tick;
+  /// and the scores of all controllers, at the time of a tick.
+  template <class Use>
+  bool NextTick(const Use& use) {
+    return ticks_.Pop(use);
+  }
+  void ShowScores(double time_s, std::span<const RunningScore> scores) noexcept {
+    GAUNTLET_ASSERT(scores.size() == controllers_);
+    auto place = score_row_.begin();
+    for (const RunningScore& score : scores) {
+      for (const double number : {score.over_s, score.jitter_rms_deg, score.delay_ms}) {
+        *place++ = number;
+      }
+    }
+    scores_.Push(time_s, score_row_);
+  }
+  /// Called by the watcher, for running scores: use(time_s, numbers), kNumbersOfScore for each
+  /// controller in the order of RunningScore.
+  template <class Use>
+  bool NextScores(const Use& use) {
+    return scores_.Pop(use);
+  }
+  /// As Next(), for stages: use(stages_us).
   template <class Use>
   bool NextStages(const Use& use) {
     return stages_.Pop([&](int, std::span<const double> stages_us) { use(stages_us); });
   }
 
  private:
+  /// These values, one behind the other; of the control thread.
+  std::span<const double> Joined(std::span<const double> glove_rad,
+                                 std::span<const double> command_rad,
+                                 std::span<const double> hand_rad,
+                                 std::span<const double> asked_rad) noexcept {
+    GAUNTLET_ASSERT(glove_rad.size() == channels_ && command_rad.size() == joints_ &&
+                    (hand_rad.empty() || hand_rad.size() == joints_) &&
+                    asked_rad.size() == controllers_ * joints_);
+    auto place = row_.begin();
+    for (const std::span<const double> values : {glove_rad, command_rad, hand_rad, asked_rad}) {
+      place = std::ranges::copy(values, place).out;
+    }
+    return std::span(row_).first(static_cast<std::size_t>(place - row_.begin()));
+  }
+
   RowRing<LiveMoment> moments_;
   RowRing<int> stages_{256, kStageRows};
-  std::vector<double> row_;  // of the control thread
+  RowRing<ShownTick> ticks_;       // of two seconds
+  RowRing<double> scores_;         // time [s]
+  std::vector<double> row_;        // of the control thread
+  std::vector<double> score_row_;  // of the thread of the scores
   std::size_t channels_;
   std::size_t joints_;
+  std::size_t controllers_;
   std::atomic<int> asked_ = -1;
   std::atomic<int> mark_ = -1;
 };

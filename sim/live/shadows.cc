@@ -7,13 +7,16 @@
 namespace gauntlet::sim {
 
 Shadows::Shadows(const LiveSetup& setup)
-    : steps_(setup.shadows.size()),
-      targets_rad_(setup.shadows.size() * setup.trial.hand->joint_names().size()) {
-  for (const ShadowSetup& shadow : setup.shadows) {
-    controllers_.emplace_back(shadow.controller, setup.trial.calibration,
-                              setup.trial.hand->transmission(),
+    : joints_(setup.trial.hand->joint_names().size()),
+      has_first_(setup.view != nullptr && !setup.shadows.empty()) {
+  const auto add = [&](const controller::ControllerConfig& config) {
+    controllers_.emplace_back(config, setup.trial.calibration, setup.trial.hand->transmission(),
                               setup.trial.hand->timing().controller, setup.trial.joint_map);
-  }
+  };
+  if (has_first_) add(setup.trial.controller);
+  for (const ShadowSetup& shadow : setup.shadows) add(shadow.controller);
+  steps_.resize(controllers_.size());
+  targets_rad_.resize(controllers_.size() * joints_);
 }
 
 void Shadows::Reset(std::span<const std::int32_t> motor_counts) {

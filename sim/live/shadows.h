@@ -10,8 +10,8 @@
 
 namespace gauntlet::sim {
 
-/// Further controllers that get the samples of the one that drives, and drive nothing. Of the
-/// control thread.
+/// Further controllers that get the samples of the one that drives, and drive nothing. For a watcher
+/// the one that began is among them: another one may drive in its place. Of the control thread.
 class Shadows {
  public:
   /// Errors: SettingError of a controller.
@@ -23,11 +23,20 @@ class Shadows {
   /// A tick with the counts of a sample, or without (empty).
   void Step(std::span<const double> sample_counts) noexcept;
   /// Angles that they ask for after the last step. Shape: shadows x joints. Units: rad.
-  std::span<const double> targets_rad() const noexcept { return targets_rad_; }
+  std::span<const double> targets_rad() const noexcept {
+    return std::span(targets_rad_).last(targets_rad_.size() - (has_first_ ? joints_ : 0));
+  }
+  /// The same with the controller that began before the shadows; without a watcher or shadows, those
+  /// alone.
+  std::span<const double> asked_rad() const noexcept { return targets_rad_; }
   /// Times of the steps of a shadow.
-  const DurationHistogram& step(std::size_t shadow) const { return steps_[shadow]; }
+  const DurationHistogram& step(std::size_t shadow) const {
+    return steps_[shadow + (has_first_ ? 1 : 0)];
+  }
 
  private:
+  std::size_t joints_;
+  bool has_first_;  // the controller that began is the first of these
   std::vector<controller::Controller> controllers_;
   std::vector<DurationHistogram> steps_;
   std::vector<double> targets_rad_;

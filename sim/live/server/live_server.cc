@@ -134,16 +134,21 @@ class LiveServer::Server {
   void Watch(const std::stop_token& stop) {
     constexpr int kNice = 10;
     setpriority(PRIO_PROCESS, 0, kNice);  // on Linux of this thread
-    std::string stages;
+    std::string stages, scores;
     while (!stop.stop_requested()) {
       while (view_.NextStages([&](std::span<const double> stages_us) {
         if (!stages.empty()) stages += ',';
         AddList(stages_us, 1e-3, 3, stages);
       })) {
       }
+      while (view_.NextScores([&](double time_s, std::span<const double> numbers) {
+        scores = ScoresOf(time_s, numbers);
+      })) {
+      }
       while (view_.Next([&](const LiveMoment& moment, std::span<const double> values) {
-        page_->Send(EventOf(moment, values, stages));
+        page_->Send(EventOf(moment, values, stages, scores));
         stages.clear();
+        scores.clear();
       })) {
       }
       if (!is_gone_) TakeMessages();
@@ -188,23 +193,41 @@ class LiveServer::Server {
     if (config_.say) config_.say(line);
   }
 
+  static std::string ScoresOf(double time_s, std::span<const double> numbers) {
+    constexpr int kDigits = 4;
+    std::string json = fmt::format(",\"scores\":{{\"time_s\":{:.3f},\"controllers\":[", time_s);
+    for (std::size_t i = 0; i < numbers.size(); i += LiveView::kNumbersOfScore) {
+      if (i > 0) json += ',';
+      AddList(numbers.subspan(i, LiveView::kNumbersOfScore), 1.0, kDigits, json);
+    }
+    return json + "]}";
+  }
+
   std::string EventOf(const LiveMoment& moment, std::span<const double> values,
-                      const std::string& stages) const {
+                      const std::string& stages, const std::string& scores) const {
     std::string json = fmt::format(
         "data: {{\"time_s\":{:.3f},\"late_ms\":{:.3f},\"skipped\":{},\"waiting\":{},\"queued\":{},"
-        "\"commands\":{},\"repeated\":{},\"driving\":{},\"is_still\":{},\"tier\":{},\"has_sink\":{}"
-        ","
-        "\"stages_ms\":[{}],\"glove_deg\":",
+        "\"commands\":{},\"repeated\":{},\"driving\":{},\"is_still\":{},\"is_ending\":{},\"tier\":{"
+        "},"
+        "\"silent_s\":{:.3f},\"has_sink\":{},\"stages_ms\":[{}]{},\"glove_deg\":",
         moment.time_s, 1e3 * moment.largest_lateness_s, moment.skipped_ticks, moment.waiting_frames,
         moment.queued_frames, moment.commands, moment.repeated_samples, moment.driving,
-        moment.is_still, static_cast<int>(moment.tier), moment.has_sink, stages);
+        moment.is_still, moment.is_ending, static_cast<int>(moment.tier), moment.silent_s,
+        moment.has_sink, stages, scores);
     constexpr int kDigits = 2;
     AddList(values.first(view_.channels()), kDegPerRad, kDigits, json);
     json += ",\"command_deg\":";
     AddList(values.subspan(view_.channels(), view_.joints()), kDegPerRad, kDigits, json);
     json += ",\"hand_deg\":";
-    AddList(values.last(view_.joints()), kDegPerRad, kDigits, json);
-    return json + "}\n\n";
+    values = values.subspan(view_.channels() + view_.joints());
+    AddList(values.first(view_.joints()), kDegPerRad, kDigits, json);
+    json += ",\"asked_deg\":[";
+    for (std::size_t controller = 0; controller < view_.controllers(); ++controller) {
+      values = values.subspan(view_.joints());
+      if (controller > 0) json += ',';
+      AddList(values.first(view_.joints()), kDegPerRad, kDigits, json);
+    }
+    return json + "]}\n\n";
   }
 
   LiveServerConfig config_;

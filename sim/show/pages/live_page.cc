@@ -2,8 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+
 #include "sim/base/json.h"
 #include "sim/hand/camera_view.h"
+#include "sim/live/running_scores.h"
 #include "sim/results/html_text.h"
 #include "sim/show/figure/palette.h"
 #include "sim/show/pages/assets.h"
@@ -12,15 +17,46 @@
 namespace gauntlet::sim {
 namespace {
 
+/// The glove is silent from then on: five samples are missing, and a person would see it.
+double SilentFrom_s(double rate_hz) {
+  constexpr double kLeast_s = 0.25;
+  return std::max(kLeast_s, 5.0 / rate_hz);
+}
+
+/// Per joint: angle = offset_deg + sum of weight * angle of a channel.
+Json JointMapJson(const controller::JointMap& map) {
+  Json joints = Json::array();
+  for (int joint = 0; joint < map.joint_count(); ++joint) {
+    Json terms = Json::array();
+    for (const auto& term : map.terms(joint)) terms.push_back({term.channel, term.weight});
+    joints.push_back({{"offset_deg", map.offset_rad(joint) * kDegPerRad}, {"terms", terms}});
+  }
+  return joints;
+}
+
 std::string DataOf(const Study& study, const LiveSetup& setup) {
   Json data = {{"hand", HandData(*study.hand, CameraViewOf(study.scenario.video.camera).camera)},
                {"channels", study.calibration.channel_names},
                {"joints", study.hand->joint_names()},
                {"stages", Json::array()},
-               {"controllers", {setup.trial.controller_name}},
-               {"has_motors", setup.sink != nullptr}};
+               {"has_motors", setup.sink != nullptr},
+               {"silent_from_s", SilentFrom_s(study.scenario.glove.rate_hz)},
+               {"scored_joints", study.measured_joints.size()},
+               {"jitter_above_hz", study.scenario.score.jitter_above_hz},
+               {"least_delay_s", ScoreWindow::kLeastDelay_s},
+               {"reference", setup.simulated_glove == nullptr
+                                 ? "the samples of the glove, smoothed without delay"
+                                 : setup.simulated_glove->reference_name}};
   for (const StageName& stage : kStageNames) data["stages"].push_back(stage.text);
-  for (const ShadowSetup& shadow : setup.shadows) data["controllers"].push_back(shadow.name);
+  std::vector<std::string> names = {setup.trial.controller_name};
+  for (const ShadowSetup& shadow : setup.shadows) names.push_back(shadow.name);
+  std::vector<std::size_t> order(names.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const std::vector<std::size_t> series = SeriesOf(order, BaselineOf(study.scenario));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    data["controllers"].push_back({{"name", names[i]}, {"colour", CssOfSeries(series[i])}});
+  }
+  data["joint_map"] = JointMapJson(study.joint_map());
   auto& rest = data["rest_deg"] = Json::array();
   for (const double angle_rad : study.hand->transmission().reference_angle_rad) {
     rest.push_back(angle_rad * kDegPerRad);

@@ -23,6 +23,15 @@ class HandScene {
     }
   }
 
+  // How a hand looks that lets others through: in one colour, without the arm.
+  tint(colour) { return {opaque: false, colour: resolvedColour(colour), beyond: this.carrier}; }
+
+  // Whose hands are seen, each with its colour: `tinted` as [colour, name].
+  nameHands(place, solid, tinted) {
+    place.replaceChildren(element("span", {class: "item"}, `Solid: ${solid}`), ...tinted.map(([colour, name]) =>
+      element("span", {class: "item"}, element("span", {class: "dot", style: `--colour: ${colour}`}), name)));
+  }
+
   drawNow() {
     const width = this.canvas.clientWidth;
     const height = this.canvas.clientHeight;
@@ -41,7 +50,7 @@ class HandScene {
   placeCamera(hand, postures) {
     const {camera} = this.replay;
     this.camera = new THREE.PerspectiveCamera(camera?.height_deg ?? 40, 1, 0.005, 20);
-    const reach = new THREE.Box3();
+    const points = [];
     const moving = new Set(this.replay.hinges.map(({body}) => body));
     const palm = this.palmAmong(moving);
     for (const posture of postures) {
@@ -50,20 +59,18 @@ class HandScene {
       for (const {body, frame} of this.replay.shapes) {
         const root = [...moving].some((m) => hand.hangsOn(body, m));
         if (!root || body === this.carrier || !hand.hangsOn(body, palm)) continue;
-        reach.expandByPoint(new THREE.Vector3().fromArray(frame)
-          .applyMatrix4(hand.bodies[body].matrixWorld).applyMatrix4(view));
+        points.push(new THREE.Vector3().fromArray(frame).applyMatrix4(hand.bodies[body].matrixWorld).applyMatrix4(view));
       }
     }
-    const ball = reach.getBoundingSphere(new THREE.Sphere());
     const look = new THREE.Object3D();
     placeAt(look, camera?.frame ?? [0, 0, 0, 0.854, 0.354, 0.146, 0.354]);
     this.camera.up.set(0, 1, 0).applyQuaternion(look.quaternion);
     const back = new THREE.Vector3(0, 0, 1).applyQuaternion(look.quaternion);
-    const away = 0.95 * (ball.radius + 0.02) / Math.sin(this.camera.fov * RAD_PER_DEG / 2);
-    this.camera.position.copy(ball.center).addScaledVector(back, away);
-    this.camera.target = ball.center;
+    const {centre, away} = this.fit(points, back);
+    this.camera.position.copy(centre).addScaledVector(back, away);
+    this.camera.target = centre;
     this.controls = new THREE.OrbitControls(this.camera, this.canvas);
-    this.controls.target.copy(ball.center);
+    this.controls.target.copy(centre);
     this.controls.enableKeys = false;
     this.controls.enableZoom = false;  // a page that is scrolled over it stays as it is
     this.controls.minDistance = 0.1 * away;
@@ -71,6 +78,22 @@ class HandScene {
     this.controls.update();
     this.controls.saveState();
     this.listenToCamera();
+  }
+
+  // Where the camera looks, and from how far, so that these points fill the picture.
+  fit(points, back) {
+    const margin_m = 0.02;  // shapes around the points
+    const aside = this.camera.up.clone().cross(back);
+    const axes = [aside, this.camera.up, back].map((axis) => {
+      const along = points.map((point) => point.dot(axis));
+      const [low, high] = [Math.min(...along), Math.max(...along)];
+      return {axis, middle: (low + high) / 2, half: (high - low) / 2 + margin_m};
+    });
+    const centre = new THREE.Vector3();
+    for (const {axis, middle} of axes) centre.addScaledVector(axis, middle);
+    const [wide, high, deep] = axes.map(({half}) => half);
+    const aspect = this.canvas.clientWidth / this.canvas.clientHeight || 1;
+    return {centre, away: deep + Math.max(high, wide / aspect) / Math.tan(this.camera.fov * RAD_PER_DEG / 2)};
   }
 
   // The body that carries most of those that move by themselves: fingers.

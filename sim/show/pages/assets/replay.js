@@ -12,17 +12,16 @@ class ReplayView extends HandScene {
     this.channels = this.replay.joints.map((name) => data.channels.indexOf(name));  // -1: not measured
     this.time = 0;
     this.playing = false;
-    const look = (controller) => ({opaque: false, colour: resolvedColour(colourName(controller)), beyond: this.carrier});
     this.hand = new ReplayHand(this.replay);
     this.other = new ReplayHand(this.replay);
     this.ghost = new ReplayHand(this.replay);
     this.picture.add(this.hand, {opaque: true});
-    this.picture.add(this.other, look(0));
-    this.picture.add(this.ghost, {...look(0), colour: resolvedColour("var(--wearer)")});
+    this.picture.add(this.other, this.tint(colourName(0)));
+    this.picture.add(this.ghost, this.tint("var(--wearer)"));
     this.chooseControllers();
     this.placeCamera(this.hand, this.postures());
     this.listen();
-    this.nameHands();
+    this.nameShown();
     this.show(0);
     if (this.loop) this.showDecisiveSecond();
   }
@@ -113,14 +112,12 @@ class ReplayView extends HandScene {
     this.draw();
   }
 
-  // Whose hands are seen, each with its colour.
-  nameHands() {
+  nameShown() {
     const {hand, other, ghost} = this.shown();
     const name = (controller) => this.data.controllers[controller].name;
-    const dot = (colour) => element("span", {class: "dot", style: `--colour: ${colour}`});
-    byId("replay-legend").replaceChildren(`Solid: ${name(hand)}`,
-      ...(other < 0 ? [] : [" \u00a0", dot(colourName(other)), name(other)]),
-      ...(ghost === -1 ? [] : [" \u00a0", dot("var(--wearer)"), "wearer"]));
+    this.nameHands(byId("replay-legend"), name(hand), [
+      ...(other < 0 ? [] : [[colourName(other), name(other)]]),
+      ...(ghost === -1 ? [] : [["var(--wearer)", "wearer"]])]);
   }
 
   // What is drawn is asked for once per frame of the screen, and only while it is in sight.
@@ -172,7 +169,7 @@ class ReplayView extends HandScene {
   listen() {
     for (const id of ["replay-hand", "replay-other", "replay-ghost"]) {
       byId(id).addEventListener("change", () => {
-        this.nameHands();
+        this.nameShown();
         this.show(this.time);
       });
     }

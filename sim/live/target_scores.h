@@ -1,0 +1,47 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "controller/controller_config.h"
+#include "sim/base/signal.h"
+#include "sim/hand/hand.h"
+#include "sim/score/score.h"
+
+namespace gauntlet::sim {
+
+/// Scores of the angles that a controller asks of the joints, as those of gauntlet run are of the
+/// hand: means over the joints that count. NaN for one without a value.
+struct TargetScores {
+  double jitter_rms_deg = 0.0;
+  double delay_ms = 0.0;
+  double tracking_rmse_deg = 0.0;
+};
+
+/// Everything that the controllers of a session have in common.
+struct TargetScoring {
+  double rate_hz = 1000.0;  // of ticks
+  double jitter_above_hz = ScoreConfig{}.jitter_above_hz;
+  std::vector<int> joints;               // of the hand, that count
+  std::vector<std::string> joint_names;  // of those
+};
+
+/// Angles that one controller asked for. Views. Shapes: ticks x joints of the hand. Units: rad.
+struct AskedAngles {
+  const Signal* reference_rad = nullptr;
+  const Signal* asked_rad = nullptr;
+  const CountedParts* counted = nullptr;  // of the joints that count; null: all ticks
+  double earliest_delay_s = 0.0;          // see EarliestAskedDelay_s()
+};
+
+/// Pure: the same signals give the same scores. The joints of a mean are the same for all
+/// controllers, see UseCommonParts().
+std::vector<TargetScores> ScoreTargets(const TargetScoring& scoring,
+                                       std::span<const AskedAngles> controllers);
+
+/// By how much the angles of a controller are late at least: ahead by the horizon of its prediction.
+/// The way to the hand's motors is not in it.
+double EarliestAskedDelay_s(const HandModel& hand, const controller::ControllerConfig& controller);
+
+}  // namespace gauntlet::sim
