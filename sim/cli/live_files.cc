@@ -107,7 +107,7 @@ std::vector<ShadowScore> ScoreShadows(const LiveRecord& record, const FinishedSt
     shadows.push_back({.name = name, .drives = controller == 0, .step_p99_us = step_p99_us});
     asked.push_back({.reference_rad = &finished.result.first_reference_rad,
                      .asked_rad = &asked_rad,
-                     .counted = counted ? &*counted : nullptr,
+                     .counted = counted ? &counted->joints : nullptr,
                      .earliest_delay_s = earliest_s[controller]});
   };
   add(0, record.setup->trial.controller_name, driven_rad,
@@ -197,8 +197,10 @@ RunningScoring RunningScoringOf(const Study& study, const LiveSetup& setup) {
                      .longest_gap_s = 1e-3 * RecordedMotionConfig{}.longest_gap_ms,
                      .recovery_s = study.scenario.score.recovery_s};
   if (setup.simulated_glove) {
-    how.counted = CountedPartsOf(study, setup.simulated_glove->masked,
-                                 static_cast<int>(setup.simulated_glove->true_angle_rad.rows()));
+    const std::optional<CountedParts> parts =
+        CountedPartsOf(study, setup.simulated_glove->masked,
+                       static_cast<int>(setup.simulated_glove->true_angle_rad.rows()));
+    if (parts) how.counted = parts->joints;
   }
   return how;
 }

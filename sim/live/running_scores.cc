@@ -37,6 +37,15 @@ void JoinRows(Index from, Index to, Signal& signal) {
   }
 }
 
+/// Whatever stops a score, the session goes on, and brings its motors to rest: Ctrl-C ends long
+/// computations by Cancelled, and there may be no memory.
+void ShowScores(const ScoreWindow& window, LiveView& view) noexcept {
+  try {
+    view.ShowScores(window.time_s(), window.Scores());
+  } catch (...) {
+  }
+}
+
 }  // namespace
 
 ScoreWindow::ScoreWindow(RunningScoring how)
@@ -129,7 +138,7 @@ std::vector<CountedTicks> ScoreWindow::Counted(const CountedTicks& with_samples)
   std::vector<CountedTicks> counted;
   for (std::size_t joint = 0; joint < how_.scoring.joints.size(); ++joint) {
     if (how_.simulated_glove) {
-      counted.push_back(how_.counted ? Within(how_.counted->joints[joint], begin(), rows)
+      counted.push_back(how_.counted ? Within((*how_.counted)[joint], begin(), rows)
                                      : CountedTicks{{0, static_cast<int>(rows)}});
       continue;
     }
@@ -150,9 +159,8 @@ void ScoreWindow::ScoreFrom(Index first, std::span<const std::size_t> controller
                             std::vector<RunningScore>& running) const {
   const Index rows = whole_reference_rad.rows() - first;
   const Signal reference_rad = whole_reference_rad.bottomRows(rows);
-  CountedParts parts;
-  parts.hand = {{0, static_cast<int>(rows)}};
-  for (const CountedTicks& joint : counted) parts.joints.push_back(Within(joint, first, rows));
+  std::vector<CountedTicks> counted_rows;
+  for (const CountedTicks& joint : counted) counted_rows.push_back(Within(joint, first, rows));
   std::vector<Signal> asked_rad;
   for (const std::size_t controller : controllers) {
     const std::size_t place = static_cast<int>(controller) == driving_ ? 0 : 1 + controller;
@@ -163,7 +171,7 @@ void ScoreWindow::ScoreFrom(Index first, std::span<const std::size_t> controller
   for (std::size_t i = 0; i < controllers.size(); ++i) {
     asked.push_back({.reference_rad = &reference_rad,
                      .asked_rad = &asked_rad[i],
-                     .counted = &parts,
+                     .counted = &counted_rows,
                      .earliest_delay_s = how_.earliest_delay_s[controllers[i]]});
   }
   const double over_s = static_cast<double>(rows) / how_.scoring.rate_hz;
@@ -204,7 +212,7 @@ RunningScores::RunningScores(RunningScoring how, LiveView& view)
                 window.Add(tick, values_rad);
               })) {
               }
-              if (look % kLooksPerScore == 0) view.ShowScores(window.time_s(), window.Scores());
+              if (look % kLooksPerScore == 0) ShowScores(window, view);
             }
           })) {}
 

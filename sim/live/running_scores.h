@@ -24,7 +24,7 @@ struct RunningScoring {
   /// Reference: its true angles. Null: the samples of the glove, joined by lines and smoothed
   /// without delay, as a recording is behind the session.
   std::shared_ptr<const GloveSignal> simulated_glove;
-  std::optional<CountedParts> counted = {};  // of its ticks; none: all
+  std::optional<std::vector<CountedTicks>> counted = {};  // of each joint that counts; none: all
   double smoothing_hz = 5.0;
   double longest_gap_s = 0.1;  // between samples; behind a longer one nothing counts for so long:
   double recovery_s = ScoreConfig{}.recovery_s;

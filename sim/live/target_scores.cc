@@ -21,7 +21,11 @@ std::vector<TargetScores> ScoreTargets(const TargetScoring& scoring,
     input.rate_hz = scoring.rate_hz;
     input.reference_angle_rad = &*reference;
     input.hand_angle_rad = &*asked;
-    input.counted = controller.counted;
+    CountedParts counted;
+    if (controller.counted != nullptr) {
+      counted.joints = *controller.counted;
+      input.counted = &counted;
+    }
     input.earliest_delay_s = controller.earliest_delay_s;
     input.jitter_above_hz = scoring.jitter_above_hz;
     scores.push_back(ComputeScores(input, rows, wanted));

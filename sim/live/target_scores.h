@@ -31,8 +31,8 @@ struct TargetScoring {
 struct AskedAngles {
   const Signal* reference_rad = nullptr;
   const Signal* asked_rad = nullptr;
-  const CountedParts* counted = nullptr;  // of the joints that count; null: all ticks
-  double earliest_delay_s = 0.0;          // see EarliestAskedDelay_s()
+  const std::vector<CountedTicks>* counted = nullptr;  // of each joint that counts; null: all
+  double earliest_delay_s = 0.0;                       // see EarliestAskedDelay_s()
 };
 
 /// Pure: the same signals give the same scores. The joints of a mean are the same for all

@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 import chromium
@@ -169,6 +170,78 @@ def test_switch_changes_the_controller_without_a_jump(place):
     check("raw" in trace and "tuned_kalman" not in trace, "scores of another controller")
 
 
+def test_running_scores_are_those_of_the_report(place):
+    session = Session(place / "live", "--seconds", "9.6", motion="glove.motion.duration_s=12")
+    shown = []
+    try:
+        for event in session.events():
+            check([len(angles) for angles in event["asked_deg"]] == 2 * [len(event["hand_deg"])], "angles of two controllers")
+            if "scores" in event:
+                shown.append(event["scores"])
+    except http.client.IncompleteRead:
+        pass
+    session.process.communicate(timeout=30)
+    facts = json.loads((place / "live" / "live.json").read_text())
+    check(len(shown) > 5, f"only {len(shown)} scores in 9 s")
+    check(shown[0]["controllers"][0][0] < 1.3 and shown[0]["controllers"][0][1] is None, f"jitter of too little: {shown[0]}")
+    last = shown[-1]
+    check(last["time_s"] > 7.5, str(last))
+    for numbers, scored in zip(last["controllers"], facts["controllers"], strict=True):
+        over_s, jitter_deg, delay_ms = numbers
+        check(abs(over_s - last["time_s"]) < 0.01, str(last))
+        # The report's are of the last second, too.
+        check(abs(jitter_deg / scored["jitter_rms_deg"] - 1) < 0.1, f"{numbers} beside {scored}")
+        check(abs(delay_ms - scored["delay_ms"]) < 4, f"{numbers} beside {scored}")
+    raw, filtered = last["controllers"]
+    check(filtered[1] < 0.8 * raw[1], f"a filter does not lower the jitter: {last}")
+
+
+def test_outage_is_in_every_moment(place):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    way = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    ends = threading.Event()
+    silent = threading.Event()
+
+    def send():
+        while not ends.wait(0.01):
+            if not silent.is_set():
+                way.sendto(b"index_mcp_counts,middle_mcp_counts\n500,600\n", ("127.0.0.1", port))
+
+    threading.Thread(target=send, daemon=True).start()
+    session = Session(place / "live", "--glove", f"udp:127.0.0.1:{port}", "--set", "glove.channels=[index_mcp,middle_mcp]",
+                      motion="glove.rate_hz=100")
+    page = chromium.Page(session.address, 390, 900) if chromium.has_browser() else None
+    events = session.events()
+    try:
+        first = next(event for event in events if event["time_s"] > 1.0)
+        check(first["silent_s"] < 0.5, f"silent with samples: {first['silent_s']}")
+        silent.set()
+        longest_s, tier = 0.0, 0
+        for event in events:
+            check(event["silent_s"] < longest_s + 1.0, f"{event['silent_s']} s after {longest_s} s")
+            longest_s, tier = max(longest_s, event["silent_s"]), max(tier, event["tier"])
+            if longest_s > 1.5:
+                break
+        check(tier == 3, f"the watchdog reached tier {tier} only")
+        banner = 'document.getElementById("live-banner")'
+        if page:
+            page.wait_for(f"!{banner}.hidden && {banner}.innerText.startsWith('No samples from the glove. No commands are sent.')")
+            seconds = page.value("Number(document.getElementById('live-banner-time').textContent.split(' ')[0])")
+            check(1.0 < seconds < 60, f"silent for {seconds} s")
+        silent.clear()
+        next(event for event in events if event["tier"] == 0 and event["silent_s"] < 0.5)
+        if page:
+            page.wait_for(f"{banner}.innerText.startsWith('The glove was silent. Its samples are back.')")
+            page.wait_for(f"{banner}.hidden")
+    finally:
+        if page:
+            page.close()
+        ends.set()
+    session.end()
+
+
 def test_marks_give_calibrate_the_noise(place):
     session = Session(place / "live",
                       motion="glove.motion={kind: moves, postures: [rest, open], move_s: 0.2, hold_s: 60}")
@@ -253,17 +326,36 @@ def test_page_in_a_browser(place):
           lines: document.querySelectorAll("#live-plot path").length,
           buttons: [...document.querySelectorAll("#live-choice button")].map((b) => b.textContent),
           wide: document.documentElement.scrollWidth > innerWidth})""")
-        check(shown["lines"] == 3 and shown["buttons"] == ["raw", "tuned_kalman"], str(shown))
+        check(shown["lines"] == 4 and shown["buttons"] == ["raw", "tuned_kalman"], str(shown))
         check(not shown["wide"], "the page is wider than a phone")
-        angle = page.value("livePage.hand.angleOf(0) - livePage.last.hand_deg[0]")
-        check(abs(angle) < 0.01, f"the hand is off by {angle} deg")
+        for hand, angles in (("hand", "last.hand_deg"), ("other", "last.asked_deg[1]"), ("ghost", "gloveAngles(livePage.last)")):
+            angle = page.value(f"livePage.{hand}.angleOf(0) - livePage.{angles}[0]")
+            check(abs(angle) < 0.01, f"{hand} is off by {angle} deg")
+        # The joints have the names of the channels.
+        angle = page.value("Math.max(...livePage.gloveAngles(livePage.last).map((a, j) => Math.abs(a - livePage.last.glove_deg[j])))")
+        check(angle < 0.01, f"the wearer is off by {angle} deg")
+        names = "document.getElementById('live-names').innerText.split('\\n').join(' ')"
+        check(page.value(names) == "Solid: raw tuned_kalman wearer", page.value(names))
+        scores = "[...document.querySelectorAll('#live-choice td')].map((cell) => Number(cell.textContent))"
+        page.wait_for(f"{scores}.every((number) => number > 0)")
+        shown = page.value(f"({{cells: {scores}, scores: livePage.scores.controllers.flatMap((c) => c.slice(1))}})")
+        check(all(abs(a / b - 1) < 0.01 for a, b in zip(shown["cells"], shown["scores"], strict=True)), str(shown))
         page.value("document.querySelectorAll('#live-choice button')[0].focus()")
         page.press("Tab")
         page.press("Enter")
         page.wait_for("document.querySelectorAll('#live-choice button')[1].ariaPressed === 'true'")
         page.wait_for("document.getElementById('live-state').textContent.startsWith('tuned_kalman drives')")
+        page.wait_for(f"{names} === 'Solid: tuned_kalman raw wearer'")
+        check(page.value(f"isNaN({scores}[3])"), "a controller that has just taken over has a delay")
+        answer, still = "document.getElementById('live-answer')", "document.getElementById('live-still')"
+        page.wait_for(f"{answer}.textContent === ''")
+        page.value(f"{still}.click()")
+        page.wait_for(f"{still}.textContent === 'Hand moves again' && {answer}.textContent === 'Marked still.'")
+        page.value(f"{still}.click()")
+        page.wait_for(f"{still}.textContent === 'Hand is still' && {answer}.textContent === ''")
         session.process.send_signal(signal.SIGINT)
-        page.wait_for("document.getElementById('live-state').textContent === 'The session has ended.'")
+        page.wait_for("document.getElementById('live-state').textContent.startsWith('The session has ended after')")
+        check(page.value("document.getElementById('live-banner-text').textContent").startswith("The session has ended"), "the end")
         problems = [text for text in page.problems if '"level": "warning"' not in text]
         check(not problems, "\n".join(problems))
     finally:

@@ -75,8 +75,8 @@ std::string LivePage(const Study& study, const LiveSetup& setup, const std::stri
        {"glove", EscapeHtml(setup.source == nullptr ? "simulated" : setup.source->Description())},
        {"motors", EscapeHtml(setup.sink == nullptr ? "simulated" : setup.sink->Description())},
        {"recording", recording.empty()
-                         ? "The glove is not recorded; --record FILE.csv records it."
-                         : fmt::format("All samples go to {} at the end.", EscapeHtml(recording))},
+                         ? "The glove is not recorded: --record FILE.csv records it."
+                         : fmt::format("All samples are recorded in {}.", EscapeHtml(recording))},
        {"sources", fmt::format("script-src 'nonce-{}'; connect-src 'self'; ", nonce)},
        {"nonce", nonce},
        {"style", PaletteCss() + std::string(assets::kStyle) + std::string(assets::kLiveStyle)},

@@ -106,7 +106,8 @@ class LivePage extends HandScene {
   // The second hand is that of the controller that drove, where it was that of the new one.
   noteSwitch(before, now) {
     if (this.other_number === now) this.other_number = before;
-    this.scores = null;  // of the other one
+    if (this.scores) this.scores.controllers[now] = [0, null, null];  // it begins
+    this.watchAge();
     this.showHands();
   }
 
