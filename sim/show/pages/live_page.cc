@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <numeric>
 
 #include "sim/base/json.h"
@@ -74,9 +75,11 @@ std::string LivePage(const Study& study, const LiveSetup& setup, const std::stri
        {"title", EscapeHtml(study.scenario.name)},
        {"glove", EscapeHtml(setup.source == nullptr ? "simulated" : setup.source->Description())},
        {"motors", EscapeHtml(setup.sink == nullptr ? "simulated" : setup.sink->Description())},
-       {"recording", recording.empty()
-                         ? "The glove is not recorded: --record FILE.csv records it."
-                         : fmt::format("All samples are recorded in {}.", EscapeHtml(recording))},
+       {"recording",
+        recording.empty()
+            ? "The glove is not recorded: --record FILE.csv records it."
+            : fmt::format("All samples are recorded in {}.",
+                          EscapeHtml(std::filesystem::path(recording).filename().string()))},
        {"sources", fmt::format("script-src 'nonce-{}'; connect-src 'self'; ", nonce)},
        {"nonce", nonce},
        {"style", PaletteCss() + std::string(assets::kStyle) + std::string(assets::kLiveStyle)},
