@@ -79,8 +79,7 @@ FinishedStudy FinishedOf(Study study, std::shared_ptr<const GloveSignal> glove, 
 TargetScoring ScoringOf(const Study& study) {
   return {.rate_hz = study.hand->timing().tick_rate_hz(),
           .jitter_above_hz = study.scenario.score.jitter_above_hz,
-          .joints = study.measured_joints,
-          .joint_names = study.measured_joint_names};
+          .joints = study.measured_joints};
 }
 
 /// Of each controller, the one that began and the shadows.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <stop_token>
 #include <utility>
 
@@ -46,6 +47,13 @@ void ShowScores(const ScoreWindow& window, LiveView& view) noexcept {
   }
 }
 
+void TakeMemoryOf(ScoreWindow& window) noexcept {
+  try {
+    window.TakeMemory();
+  } catch (...) {
+  }
+}
+
 }  // namespace
 
 ScoreWindow::ScoreWindow(RunningScoring how)
@@ -81,16 +89,31 @@ void ScoreWindow::Add(const ShownTick& tick, std::span<const double> values_rad)
   Put(tick, values_rad);
 }
 
-/// Columns of all ticks.
-Signal ScoreWindow::ValuesOf(std::size_t first_value, std::size_t count) const {
+void ScoreWindow::TakeMemory() {
+  constexpr double kMotion_hz = 0.7;
   const std::size_t width = values_rad_.size() / static_cast<std::size_t>(capacity_);
-  Signal values(end_ - begin(), static_cast<Index>(count));
-  for (std::int64_t tick = begin(); tick < end_; ++tick) {
-    const auto* const row =
-        values_rad_.data() + width * static_cast<std::size_t>(tick % capacity_) + first_value;
-    for (std::size_t i = 0; i < count; ++i) {
-      values(tick - begin(), static_cast<Index>(i)) = row[i];
-    }
+  std::vector<double> values_rad(width);
+  std::int64_t ticks = capacity_;
+  if (how_.simulated_glove) {
+    ticks = std::min<std::int64_t>(ticks, how_.simulated_glove->true_angle_rad.rows());
+  }
+  for (std::int64_t tick = 0; tick < ticks; ++tick) {
+    const double time_s = static_cast<double>(tick) / how_.scoring.rate_hz;
+    std::ranges::fill(values_rad, std::sin(2.0 * std::numbers::pi * kMotion_hz * time_s));
+    Add({.number = tick, .has_sample = true}, values_rad);
+  }
+  Scores();
+  first_ = end_ = 0;
+}
+
+/// Columns of the ticks from this row on.
+Signal ScoreWindow::ValuesFrom(Index first, std::size_t first_value, std::size_t count) const {
+  const std::size_t width = values_rad_.size() / static_cast<std::size_t>(capacity_);
+  Signal values(end_ - begin() - first, static_cast<Index>(count));
+  for (Index row = 0; row < values.rows(); ++row) {
+    const auto place = static_cast<std::size_t>((begin() + first + row) % capacity_);
+    const double* const tick = values_rad_.data() + width * place + first_value;
+    for (std::size_t i = 0; i < count; ++i) values(row, static_cast<Index>(i)) = tick[i];
   }
   return values;
 }
@@ -113,7 +136,7 @@ Signal ScoreWindow::Reference(const CountedTicks& with_samples) const {
     return ReferenceAngles(
         how_.joint_map, how_.simulated_glove->true_angle_rad.middleRows(begin(), end_ - begin()));
   }
-  Signal channels_rad = ValuesOf(0, channels_);
+  Signal channels_rad = ValuesFrom(0, 0, channels_);
   for (const TickRange& range : with_samples) {
     Index before = range.begin;
     for (Index row = range.begin + 1; row < range.end; ++row) {
@@ -158,14 +181,15 @@ void ScoreWindow::ScoreFrom(Index first, std::span<const std::size_t> controller
                             std::span<const CountedTicks> counted,
                             std::vector<RunningScore>& running) const {
   const Index rows = whole_reference_rad.rows() - first;
-  const Signal reference_rad = whole_reference_rad.bottomRows(rows);
+  const Signal later_reference_rad =
+      first == 0 ? Signal() : Signal(whole_reference_rad.bottomRows(rows));
+  const Signal& reference_rad = first == 0 ? whole_reference_rad : later_reference_rad;
   std::vector<CountedTicks> counted_rows;
   for (const CountedTicks& joint : counted) counted_rows.push_back(Within(joint, first, rows));
   std::vector<Signal> asked_rad;
   for (const std::size_t controller : controllers) {
     const std::size_t place = static_cast<int>(controller) == driving_ ? 0 : 1 + controller;
-    const Signal whole_rad = ValuesOf(channels_ + place * joints_, joints_);
-    asked_rad.emplace_back(whole_rad.bottomRows(rows));
+    asked_rad.push_back(ValuesFrom(first, channels_ + place * joints_, joints_));
   }
   std::vector<AskedAngles> asked;
   for (std::size_t i = 0; i < controllers.size(); ++i) {
@@ -196,7 +220,9 @@ std::vector<RunningScore> ScoreWindow::Scores() const {
     (is_short ? since_switch : whole).push_back(i);
   }
   ScoreFrom(0, whole, reference_rad, counted, running);
-  ScoreFrom(driven_from, since_switch, reference_rad, counted, running);
+  if (!since_switch.empty()) {
+    ScoreFrom(driven_from, since_switch, reference_rad, counted, running);
+  }
   return running;
 }
 
@@ -205,6 +231,7 @@ RunningScores::RunningScores(RunningScoring how, LiveView& view)
           [window = ScoreWindow(std::move(how)), &view](const std::stop_token& stop) mutable {
             constexpr int kNice = 10;
             setpriority(PRIO_PROCESS, 0, kNice);  // on Linux of this thread alone
+            TakeMemoryOf(window);
             constexpr int kLooksPerScore = 10;
             for (int look = 1; !stop.stop_requested(); ++look) {
               std::this_thread::sleep_for(std::chrono::milliseconds(50));

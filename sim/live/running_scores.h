@@ -42,6 +42,8 @@ class ScoreWindow {
 
   explicit ScoreWindow(RunningScoring how);
 
+  /// Scores a whole window once, so that none takes more memory later. It is empty then.
+  void TakeMemory();
   /// Values: as of LiveView::ShowTick(). Ticks that were skipped repeat the one before, as in a
   /// trace; behind a gap of more than 0.1 s, and where the ticks begin anew, all begins anew.
   void Add(const ShownTick& tick, std::span<const double> values_rad);
@@ -53,7 +55,7 @@ class ScoreWindow {
  private:
   std::int64_t begin() const { return end_ - std::min<std::int64_t>(end_ - first_, capacity_); }
   void Put(const ShownTick& tick, std::span<const double> values_rad);
-  Signal ValuesOf(std::size_t first_value, std::size_t count) const;
+  Signal ValuesFrom(Eigen::Index first, std::size_t first_value, std::size_t count) const;
   Signal Reference(const CountedTicks& with_samples) const;
   CountedTicks WithSamples() const;
   std::vector<CountedTicks> Counted(const CountedTicks& with_samples) const;

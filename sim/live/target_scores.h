@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 
 #include "controller/controller_config.h"
@@ -23,8 +22,7 @@ struct TargetScores {
 struct TargetScoring {
   double rate_hz = 1000.0;  // of ticks
   double jitter_above_hz = ScoreConfig{}.jitter_above_hz;
-  std::vector<int> joints;               // of the hand, that count
-  std::vector<std::string> joint_names;  // of those
+  std::vector<int> joints;  // of the hand, that count
 };
 
 /// Angles that one controller asked for. Views. Shapes: ticks x joints of the hand. Units: rad.
