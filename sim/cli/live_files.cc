@@ -100,14 +100,18 @@ std::vector<ShadowScore> ScoreShadows(const LiveRecord& record, const FinishedSt
       CountedPartsOf(finished.study, finished.result.first_glove->masked, static_cast<int>(ticks));
   const std::vector<double> earliest_s = EarliestDelays_s(*record.setup);
   std::vector<ShadowScore> shadows;
-  std::vector<AskedAngles> asked;
+  std::vector<AskingController> asked;
   const auto add = [&](std::size_t controller, const std::string& name, const Signal& asked_rad,
                        double step_p99_us) {
     shadows.push_back({.name = name, .drives = controller == 0, .step_p99_us = step_p99_us});
-    asked.push_back({.reference_rad = &finished.result.first_reference_rad,
-                     .asked_rad = &asked_rad,
-                     .counted = counted ? &counted->joints : nullptr,
-                     .earliest_delay_s = earliest_s[controller]});
+    const auto joint_of = [&, signal = &asked_rad](std::size_t joint) {
+      const int column = finished.study.measured_joints[joint];
+      return AskedAngle{
+          .reference_rad = finished.result.first_reference_rad.col(column),
+          .asked_rad = signal->col(column),
+          .counted = counted ? counted->joints[joint] : CountedTicks{{0, static_cast<int>(ticks)}}};
+    };
+    asked.push_back({.joint = joint_of, .earliest_delay_s = earliest_s[controller]});
   };
   add(0, record.setup->trial.controller_name, driven_rad,
       result.facts.switch_count > 0 ? controller::kNaN : result.facts.step_cpu.Quantile_us(0.99));

@@ -76,7 +76,7 @@ class LiveView {
             std::span<const double> asked_rad) noexcept {
     moments_.Push(moment, Joined(glove_rad, command_rad, hand_rad, asked_rad));
   }
-  /// The same of each tick.
+  /// Called by the control thread, with a tick: values as above, without the hand's.
   void ShowTick(const ShownTick& tick, std::span<const double> glove_rad,
                 std::span<const double> command_rad, std::span<const double> asked_rad) noexcept {
     ticks_.Push(tick, Joined(glove_rad, command_rad, {}, asked_rad));

@@ -12,7 +12,6 @@
 #include "controller/assert.h"
 #include "sim/live/session_threads.h"
 #include "sim/recordings/zero_phase.h"
-#include "sim/trial/joint_angles.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -61,38 +60,40 @@ ScoreWindow::ScoreWindow(RunningScoring how)
       channels_(static_cast<std::size_t>(how_.joint_map.channel_count())),
       joints_(static_cast<std::size_t>(how_.joint_map.joint_count())),
       capacity_(std::llround(kLength_s * how_.scoring.rate_hz)),
-      values_rad_(static_cast<std::size_t>(capacity_) *
-                  (channels_ + (1 + how_.earliest_delay_s.size()) * joints_)),
+      values_rad_(static_cast<std::size_t>(capacity_) * (2 + how_.earliest_delay_s.size()) *
+                  joints_),
       has_sample_(static_cast<std::size_t>(capacity_)) {}
 
-void ScoreWindow::Put(const ShownTick& tick, std::span<const double> values_rad) {
-  const auto place = static_cast<std::size_t>(end_ % capacity_);
-  std::ranges::copy(values_rad, values_rad_.begin() + std::ssize(values_rad) * (end_ % capacity_));
-  has_sample_[place] = tick.has_sample;
-  ++end_;
+/// The row of a tick: angles of the joints by the glove, then those that were asked for.
+std::span<double> ScoreWindow::RowOf(std::int64_t tick) {
+  const std::size_t width = values_rad_.size() / static_cast<std::size_t>(capacity_);
+  return std::span(values_rad_).subspan(width * static_cast<std::size_t>(tick % capacity_), width);
 }
 
 void ScoreWindow::Add(const ShownTick& tick, std::span<const double> values_rad) {
-  GAUNTLET_ASSERT(values_rad.size() * static_cast<std::size_t>(capacity_) == values_rad_.size());
+  const std::size_t asked = values_rad.size() - channels_;
+  GAUNTLET_ASSERT(joints_ + asked == RowOf(0).size());
   constexpr double kMostRepeated_s = 0.1;
   const bool is_new =
       end_ == first_ || tick.number < end_ ||
       static_cast<double>(tick.number - end_) > kMostRepeated_s * how_.scoring.rate_hz;
   if (is_new) first_ = end_ = driving_since_ = tick.number;
-  while (end_ < tick.number) {
-    const std::ptrdiff_t width = std::ssize(values_rad);
-    const auto last = values_rad_.begin() + width * ((end_ - 1) % capacity_);
-    Put({}, std::vector<double>(last, last + width));
+  for (; end_ < tick.number; ++end_) {
+    std::ranges::copy(RowOf(end_ - 1), RowOf(end_).begin());
+    has_sample_[static_cast<std::size_t>(end_ % capacity_)] = false;
   }
   if (is_new || tick.driving != driving_) driving_since_ = end_;
   driving_ = tick.driving;
-  Put(tick, values_rad);
+  const std::span<double> row = RowOf(end_);
+  how_.joint_map.ToJoints(values_rad.first(channels_), row.first(joints_));
+  std::ranges::copy(values_rad.last(asked), row.subspan(joints_).begin());
+  has_sample_[static_cast<std::size_t>(end_ % capacity_)] = tick.has_sample;
+  ++end_;
 }
 
 void ScoreWindow::TakeMemory() {
   constexpr double kMotion_hz = 0.7;
-  const std::size_t width = values_rad_.size() / static_cast<std::size_t>(capacity_);
-  std::vector<double> values_rad(width);
+  std::vector<double> values_rad(RowOf(0).size() - joints_ + channels_);
   std::int64_t ticks = capacity_;
   if (how_.simulated_glove) {
     ticks = std::min<std::int64_t>(ticks, how_.simulated_glove->true_angle_rad.rows());
@@ -106,14 +107,13 @@ void ScoreWindow::TakeMemory() {
   first_ = end_ = 0;
 }
 
-/// Columns of the ticks from this row on.
-Signal ScoreWindow::ValuesFrom(Index first, std::size_t first_value, std::size_t count) const {
+/// A value of the rows from this one on.
+Signal ScoreWindow::ValueFrom(Index first, std::size_t value) const {
   const std::size_t width = values_rad_.size() / static_cast<std::size_t>(capacity_);
-  Signal values(end_ - begin() - first, static_cast<Index>(count));
+  Signal values(end_ - begin() - first, 1);
   for (Index row = 0; row < values.rows(); ++row) {
     const auto place = static_cast<std::size_t>((begin() + first + row) % capacity_);
-    const double* const tick = values_rad_.data() + width * place + first_value;
-    for (std::size_t i = 0; i < count; ++i) values(row, static_cast<Index>(i)) = tick[i];
+    values(row, 0) = values_rad_[width * place + value];
   }
   return values;
 }
@@ -131,75 +131,71 @@ CountedTicks ScoreWindow::WithSamples() const {
   return ranges;
 }
 
-Signal ScoreWindow::Reference(const CountedTicks& with_samples) const {
+/// Reference of one joint of the hand.
+Signal ScoreWindow::Reference(int joint, const CountedTicks& with_samples) const {
+  const Index rows = end_ - begin();
   if (how_.simulated_glove) {
-    return ReferenceAngles(
-        how_.joint_map, how_.simulated_glove->true_angle_rad.middleRows(begin(), end_ - begin()));
+    Signal reference_rad(rows, 1);
+    reference_rad.setConstant(how_.joint_map.offset_rad(joint));
+    for (const auto& term : how_.joint_map.terms(joint)) {
+      reference_rad +=
+          term.weight *
+          how_.simulated_glove->true_angle_rad.col(term.channel).segment(begin(), rows);
+    }
+    return reference_rad;
   }
-  Signal channels_rad = ValuesFrom(0, 0, channels_);
+  Signal reference_rad = ValueFrom(0, static_cast<std::size_t>(joint));
   for (const TickRange& range : with_samples) {
     Index before = range.begin;
     for (Index row = range.begin + 1; row < range.end; ++row) {
       if (!has_sample_[static_cast<std::size_t>((begin() + row) % capacity_)]) continue;
-      JoinRows(before, row, channels_rad);
+      JoinRows(before, row, reference_rad);
       before = row;
     }
-    for (Index channel = 0; channel < channels_rad.cols(); ++channel) {
-      const std::span column(channels_rad.col(channel).data(),
-                             static_cast<std::size_t>(channels_rad.rows()));
-      SmoothZeroPhase(how_.smoothing_hz, how_.scoring.rate_hz,
-                      column.subspan(static_cast<std::size_t>(range.begin),
-                                     static_cast<std::size_t>(range.end - range.begin)));
-    }
+    SmoothZeroPhase(
+        how_.smoothing_hz, how_.scoring.rate_hz,
+        {reference_rad.data() + range.begin, static_cast<std::size_t>(range.end - range.begin)});
   }
-  return JointAngles(how_.joint_map, channels_rad);
+  return reference_rad;
 }
 
-/// Of the joints that count.
-std::vector<CountedTicks> ScoreWindow::Counted(const CountedTicks& with_samples) const {
+/// Rows that count, of the joint in this place among those that count.
+CountedTicks ScoreWindow::Counted(std::size_t place, const CountedTicks& with_samples) const {
   const Index rows = end_ - begin();
-  std::vector<CountedTicks> counted;
-  for (std::size_t joint = 0; joint < how_.scoring.joints.size(); ++joint) {
-    if (how_.simulated_glove) {
-      counted.push_back(how_.counted ? Within((*how_.counted)[joint], begin(), rows)
-                                     : CountedTicks{{0, static_cast<int>(rows)}});
-      continue;
-    }
-    const int recovery = static_cast<int>(how_.recovery_s * how_.scoring.rate_hz);
-    CountedTicks& own = counted.emplace_back();
-    for (const TickRange& range : with_samples) {
-      const int from = range.begin + (&range == &with_samples.front() ? 0 : recovery);
-      if (from < range.end) own.push_back({from, range.end});
-    }
+  if (how_.simulated_glove) {
+    return how_.counted ? Within((*how_.counted)[place], begin(), rows)
+                        : CountedTicks{{0, static_cast<int>(rows)}};
+  }
+  const int recovery = static_cast<int>(how_.recovery_s * how_.scoring.rate_hz);
+  CountedTicks counted;
+  for (const TickRange& range : with_samples) {
+    const int from = range.begin + (&range == &with_samples.front() ? 0 : recovery);
+    if (from < range.end) counted.push_back({from, range.end});
   }
   return counted;
 }
 
 /// Scores controllers by the rows from `first` on; one that drives by what it drove.
 void ScoreWindow::ScoreFrom(Index first, std::span<const std::size_t> controllers,
-                            const Signal& whole_reference_rad,
-                            std::span<const CountedTicks> counted,
                             std::vector<RunningScore>& running) const {
-  const Index rows = whole_reference_rad.rows() - first;
-  const Signal later_reference_rad =
-      first == 0 ? Signal() : Signal(whole_reference_rad.bottomRows(rows));
-  const Signal& reference_rad = first == 0 ? whole_reference_rad : later_reference_rad;
-  std::vector<CountedTicks> counted_rows;
-  for (const CountedTicks& joint : counted) counted_rows.push_back(Within(joint, first, rows));
-  std::vector<Signal> asked_rad;
+  if (controllers.empty()) return;
+  const Index rows = end_ - begin() - first;
+  const CountedTicks with_samples = WithSamples();
+  std::vector<AskingController> asking;
   for (const std::size_t controller : controllers) {
-    const std::size_t place = static_cast<int>(controller) == driving_ ? 0 : 1 + controller;
-    asked_rad.push_back(ValuesFrom(first, channels_ + place * joints_, joints_));
-  }
-  std::vector<AskedAngles> asked;
-  for (std::size_t i = 0; i < controllers.size(); ++i) {
-    asked.push_back({.reference_rad = &reference_rad,
-                     .asked_rad = &asked_rad[i],
-                     .counted = &counted_rows,
-                     .earliest_delay_s = how_.earliest_delay_s[controllers[i]]});
+    const std::size_t part = static_cast<int>(controller) == driving_ ? 1 : 2 + controller;
+    const auto joint_of = [&, part](std::size_t place) {
+      const int joint = how_.scoring.joints[place];
+      const Signal reference_rad = Reference(joint, with_samples);
+      return AskedAngle{
+          .reference_rad = reference_rad.bottomRows(rows),
+          .asked_rad = ValueFrom(first, part * joints_ + static_cast<std::size_t>(joint)),
+          .counted = Within(Counted(place, with_samples), first, rows)};
+    };
+    asking.push_back({.joint = joint_of, .earliest_delay_s = how_.earliest_delay_s[controller]});
   }
   const double over_s = static_cast<double>(rows) / how_.scoring.rate_hz;
-  const std::vector<TargetScores> scores = ScoreTargets(how_.scoring, asked);
+  const std::vector<TargetScores> scores = ScoreTargets(how_.scoring, asking);
   for (std::size_t i = 0; i < controllers.size(); ++i) {
     running[controllers[i]] = {.over_s = over_s,
                                .jitter_rms_deg = scores[i].jitter_rms_deg,
@@ -210,19 +206,14 @@ void ScoreWindow::ScoreFrom(Index first, std::span<const std::size_t> controller
 std::vector<RunningScore> ScoreWindow::Scores() const {
   std::vector<RunningScore> running(how_.earliest_delay_s.size(), {0.0, kNaN, kNaN});
   if (end_ == first_) return running;
-  const CountedTicks with_samples = WithSamples();
-  const Signal reference_rad = Reference(with_samples);
-  const std::vector<CountedTicks> counted = Counted(with_samples);
   const Index driven_from = std::max<std::int64_t>(driving_since_ - begin(), 0);
   std::vector<std::size_t> whole, since_switch;
   for (std::size_t i = 0; i < running.size(); ++i) {
     const bool is_short = static_cast<int>(i) == driving_ && driven_from > 0;
     (is_short ? since_switch : whole).push_back(i);
   }
-  ScoreFrom(0, whole, reference_rad, counted, running);
-  if (!since_switch.empty()) {
-    ScoreFrom(driven_from, since_switch, reference_rad, counted, running);
-  }
+  ScoreFrom(0, whole, running);
+  ScoreFrom(driven_from, since_switch, running);
   return running;
 }
 

@@ -54,13 +54,12 @@ class ScoreWindow {
 
  private:
   std::int64_t begin() const { return end_ - std::min<std::int64_t>(end_ - first_, capacity_); }
-  void Put(const ShownTick& tick, std::span<const double> values_rad);
-  Signal ValuesFrom(Eigen::Index first, std::size_t first_value, std::size_t count) const;
-  Signal Reference(const CountedTicks& with_samples) const;
+  std::span<double> RowOf(std::int64_t tick);
+  Signal ValueFrom(Eigen::Index first, std::size_t value) const;
+  Signal Reference(int joint, const CountedTicks& with_samples) const;
   CountedTicks WithSamples() const;
-  std::vector<CountedTicks> Counted(const CountedTicks& with_samples) const;
+  CountedTicks Counted(std::size_t place, const CountedTicks& with_samples) const;
   void ScoreFrom(Eigen::Index first, std::span<const std::size_t> controllers,
-                 const Signal& whole_reference_rad, std::span<const CountedTicks> counted,
                  std::vector<RunningScore>& running) const;
 
   RunningScoring how_;

@@ -26,7 +26,7 @@ class Shadows {
   std::span<const double> targets_rad() const noexcept {
     return std::span(targets_rad_).last(targets_rad_.size() - (has_first_ ? joints_ : 0));
   }
-  /// The same with the controller that began before the shadows; without a watcher or shadows, those
+  /// Angles as above, with those of the controller that began before the shadows; without a watcher or shadows, those
   /// alone.
   std::span<const double> asked_rad() const noexcept { return targets_rad_; }
   /// Times of the steps of a shadow.

@@ -9,43 +9,40 @@ namespace gauntlet::sim {
 
 namespace {
 
-/// Scores of one joint after the other, which takes little memory beside a running session.
-Scores ScoreJoints(const TargetScoring& scoring, const AskedAngles& controller,
+/// The summaries are those of UseCommonParts().
+Scores ScoreJoints(const TargetScoring& scoring, const AskingController& controller,
                    std::span<const std::size_t> metrics) {
   Scores scores;
   scores.summary.assign(Metrics().size(), 0.0);
+  const std::vector<std::string> name = {"joint"};
+  const ScoreRows row(name, {}, {});
   for (std::size_t joint = 0; joint < scoring.joints.size(); ++joint) {
-    const std::vector<int> column = {scoring.joints[joint]};
-    const Columns reference(*controller.reference_rad, column);
-    const Columns asked(*controller.asked_rad, column);
+    const AskedAngle angle = controller.joint(joint);
     CountedParts counted;
+    counted.joints = {angle.counted};
     ScoreInput input;
-    if (controller.counted != nullptr) {
-      counted.joints = {(*controller.counted)[joint]};
-      input.counted = &counted;
-    }
     input.rate_hz = scoring.rate_hz;
-    input.reference_angle_rad = &*reference;
-    input.hand_angle_rad = &*asked;
+    input.reference_angle_rad = &angle.reference_rad;
+    input.hand_angle_rad = &angle.asked_rad;
+    input.counted = &counted;
     input.earliest_delay_s = controller.earliest_delay_s;
     input.jitter_above_hz = scoring.jitter_above_hz;
-    const std::vector<std::string> name = {std::to_string(joint)};
-    scores.channels.push_back(ComputeScores(input, ScoreRows(name, {}, {}), metrics).channels[0]);
+    scores.channels.push_back(ComputeScores(input, row, metrics).channels[0]);
     TrimSignals();
   }
-  return scores;  // the summaries are those of UseCommonParts()
+  return scores;
 }
 
 }  // namespace
 
 std::vector<TargetScores> ScoreTargets(const TargetScoring& scoring,
-                                       std::span<const AskedAngles> controllers) {
+                                       std::span<const AskingController> controllers) {
   const std::size_t jitter = MetricIndex("jitter_rms_deg");
   const std::size_t delay = MetricIndex("delay_ms");
   const std::size_t tracking = MetricIndex("tracking_rmse_deg");
   const std::array wanted = {jitter, delay, tracking};
   std::vector<Scores> scores;
-  for (const AskedAngles& controller : controllers) {
+  for (const AskingController& controller : controllers) {
     scores.push_back(ScoreJoints(scoring, controller, wanted));
   }
   std::vector<Scores*> trials;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -25,18 +27,24 @@ struct TargetScoring {
   std::vector<int> joints;  // of the hand, that count
 };
 
-/// Angles that one controller asked for. Views. Shapes: ticks x joints of the hand. Units: rad.
-struct AskedAngles {
-  const Signal* reference_rad = nullptr;
-  const Signal* asked_rad = nullptr;
-  const std::vector<CountedTicks>* counted = nullptr;  // of each joint that counts; null: all
-  double earliest_delay_s = 0.0;                       // see EarliestAskedDelay_s()
+/// Angles that a controller asked of one joint. Shapes: ticks x 1. Units: rad.
+struct AskedAngle {
+  Signal reference_rad;
+  Signal asked_rad;
+  CountedTicks counted;
 };
 
-/// Pure: the same signals give the same scores. The joints of a mean are the same for all
-/// controllers, see UseCommonParts().
+/// One controller.
+struct AskingController {
+  std::function<AskedAngle(std::size_t)> joint;  // by its place in TargetScoring::joints
+  double earliest_delay_s = 0.0;                 // see EarliestAskedDelay_s()
+};
+
+/// Pure: the same signals give the same scores. One joint after the other, which takes little memory
+/// beside a running session. The joints of a mean are the same for all controllers, see
+/// UseCommonParts().
 std::vector<TargetScores> ScoreTargets(const TargetScoring& scoring,
-                                       std::span<const AskedAngles> controllers);
+                                       std::span<const AskingController> controllers);
 
 /// By how much the angles of a controller are late at least: ahead by the horizon of its prediction.
 /// The way to the hand's motors is not in it.

@@ -106,8 +106,7 @@ std::pair<double, double> JitterAndDelay(std::size_t controller, double from_s, 
   for (Eigen::Index row = 0; row < rows; ++row) {
     const double time_s = static_cast<double>(first + row) / kRate_hz;
     for (std::size_t j = 0; j < kJoints; ++j) {
-      // The wearer's angles are those of trace.h5, whose numbers are single.
-      reference_rad(row, j) = static_cast<float>(Wearer_rad(time_s, j));
+      reference_rad(row, j) = Wearer_rad(time_s, j);
       asked_rad(row, j) = Session::Asked_rad(controller, time_s, j);
     }
   }
