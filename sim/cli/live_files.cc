@@ -82,7 +82,7 @@ TargetScoring ScoringOf(const Study& study) {
           .joints = study.measured_joints};
 }
 
-/// Of each controller, the one that began and the shadows.
+/// Smallest delay of each controller: the one that began, then the shadows.
 std::vector<double> EarliestDelays_s(const LiveSetup& setup) {
   const HandModel& hand = *setup.trial.hand;
   std::vector<double> earliest_s = {EarliestAskedDelay_s(hand, setup.trial.controller)};

@@ -230,7 +230,7 @@ void Session::MarkIfAsked() noexcept {
   if (is_still_) still.back().end_s = Time_s();
 }
 
-/// Of all controllers, in the order of LiveView::Ask().
+/// Angles that all controllers ask for, in the order of LiveView::Ask().
 std::span<const double> Session::AskedAngles_rad() const noexcept {
   return shadows_.exist() ? shadows_.asked_rad() : loop_.controller().target_angle_rad();
 }
