@@ -16,6 +16,7 @@
 #include "python/bindings.h"
 #include "sim/base/error.h"
 #include "sim/settings/yaml_reader.h"
+#include "sim/study/scenario/like_filters.h"
 #include "sim/trial/held_filter.h"
 
 namespace gauntlet::python {
@@ -59,9 +60,22 @@ Rows WithoutOverlap(const Rows& input, const py::array_t<double>& output) {
   return is_same || is_apart ? input : Rows(input.attr("copy")());
 }
 
-controller::FilterConfig ReadFilter(const std::string& text) {
+constexpr double kAnyRateHz = 1000.0;
+
+/// Errors: UserError for settings that there are not, or of another library that need a rate.
+controller::FilterConfig ReadFilter(const std::string& text, const std::optional<double>& rate_hz) {
+  const sim::YamlSource source{.file = kFilterPlace};
+  sim::YamlNode root = sim::ParseYaml(kFilterPlace, text);
+  const auto like = sim::TakeLikeFilter(root, "", source);
   controller::FilterConfig config;
-  sim::ReadAll(sim::ParseYaml(kFilterPlace, text), {.file = kFilterPlace}, config);
+  sim::ReadAll(root, source, config);
+  if (!like) return config;
+  if (!rate_hz && like->settings->DependsOnRate()) {
+    throw sim::UserError({.place = kFilterPlace,
+                          .key = "rate_hz",
+                          .problem = "is needed: the settings are for a loop of another rate"});
+  }
+  config.settings = like->At(rate_hz.value_or(kAnyRateHz), "", source);
   return config;
 }
 
@@ -91,13 +105,11 @@ void CheckRate(const controller::FilterConfig& config, int channels,
   }
 }
 
-constexpr double kAnyRateHz = 1000.0;
-
 /// Returns the output and the number of values that were held.
 std::pair<py::array, std::size_t> Filter(const py::object& array, const std::string& settings,
                                          const std::optional<double>& rate_hz,
                                          const py::object& out) {
-  const controller::FilterConfig config = ReadFilter(settings);
+  const controller::FilterConfig config = ReadFilter(settings, rate_hz);
   const Rows given = RowsOf(array, kFilterPlace);
   py::array_t<double> output = OutputOf(given, out);
   const Rows input = WithoutOverlap(given, output);
@@ -167,7 +179,7 @@ class SampleClock {
 class StepFilter {
  public:
   StepFilter(const std::string& settings, const std::optional<double>& rate_hz)
-      : config_(ReadFilter(settings)), rate_hz_(rate_hz) {
+      : config_(ReadFilter(settings, rate_hz)), rate_hz_(rate_hz) {
     CheckRate(config_, 1, rate_hz_);
   }
 

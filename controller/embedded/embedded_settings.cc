@@ -14,6 +14,7 @@
 #include "controller/angle_estimator.h"
 #include "controller/controller.h"
 #include "controller/embedded/embedded_controller.h"
+#include "controller/filters/per_channel_settings.h"
 #include "controller/filters/steady_gains.h"
 #include "controller/joint_map.h"
 #include "controller/linearisation/linearisation.h"
@@ -34,9 +35,6 @@ Eigen::ArrayXXd GainsOf(const ControllerConfig& config, int channels, double rat
   if (config.filters.empty()) return gains;
   if (config.filters.size() > 1) Refuse("filter", "has several filters, must be one at most");
   if (!config.filters[0].channels.empty()) Refuse("filter[0].channels", "is given, must be absent");
-  if (!config.filters[0].per_channel.empty()) {
-    Refuse("filter[0]." + config.filters[0].per_channel[0].key, "is a list, must be one value");
-  }
   const auto& settings = config.filters[0].settings;
   const auto* kalman = std::get_if<KalmanSteadyConfig>(&settings);
   if (kalman != nullptr && kalman->start != Start::kFirst) {
@@ -45,18 +43,31 @@ Eigen::ArrayXXd GainsOf(const ControllerConfig& config, int channels, double rat
   if (std::holds_alternative<KalmanConfig>(settings)) {
     Refuse("filter[0]", "is kalman, must be kalman_steady, to which it settles (--settle),");
   }
-  const auto constant = ConstantGains(settings, channels, rate_hz);
-  if (!constant) {
+  if (!ConstantGains(settings, channels, rate_hz)) {
     Refuse("filter[0]", "is " + std::string(KindName(settings)) +
                             ", must be none, exponential, alpha_beta, alpha_beta_gamma or "
                             "kalman_steady");
   }
-  return constant->transpose();
+  for (int c = 0; c < channels; ++c) {  // each with its values of the lists
+    const FilterSettings own = SettingsOfChannel(config.filters[0], c, channels);
+    gains.col(c) = ConstantGains(own, channels, rate_hz)->row(c).transpose();
+  }
+  return gains;
 }
 
-bool HasList(const FilterConfig& filter, std::string_view key) {
-  return std::ranges::find(filter.per_channel, key, &ChannelValues::key) !=
-         filter.per_channel.end();
+/// Of a 1 euro filter at rest: an exponential one, with a list where the cutoff has one.
+void SettleAtRest(const OneEuroConfig& one_euro, double rate_hz, FilterConfig& filter) {
+  const auto alpha_of = [rate_hz](double cutoff_hz) {
+    return 1.0 / (1.0 + rate_hz / (2.0 * std::numbers::pi * cutoff_hz));
+  };
+  const double alpha = alpha_of(one_euro.min_cutoff_hz);
+  std::erase_if(filter.per_channel,
+                [](const ChannelValues& list) { return list.key != "min_cutoff_hz"; });
+  for (ChannelValues& list : filter.per_channel) {
+    list.key = "alpha";
+    std::ranges::transform(list.values, list.values.begin(), alpha_of);
+  }
+  filter.settings = ExponentialConfig{.alpha = alpha};
 }
 
 /// Corners of each channel's broken line, counts growing; as many for each.
@@ -353,11 +364,8 @@ ControllerConfig Settled(const RobotConfig& robot, std::vector<std::string>& rep
     } else if (const auto* adaptive = std::get_if<KalmanAdaptiveConfig>(&settings)) {
       settings = KalmanSteadyConfig{.noise = KalmanNoise(adaptive->noise)};
       how = ", which no longer learns r and q";
-    } else if (const auto* one_euro = std::get_if<OneEuroConfig>(&settings);
-               one_euro != nullptr && !HasList(config.filters[i], "min_cutoff_hz")) {
-      config.filters[i].per_channel.clear();  // of the speed
-      const double turns = 2.0 * std::numbers::pi * one_euro->min_cutoff_hz;
-      settings = ExponentialConfig{.alpha = 1.0 / (1.0 + rate_hz / turns)};
+    } else if (const auto* one_euro = std::get_if<OneEuroConfig>(&settings)) {
+      SettleAtRest(*one_euro, rate_hz, config.filters[i]);
       how = " of min_cutoff_hz, which no longer opens with the speed";
     } else if (auto* steady = std::get_if<KalmanSteadyConfig>(&settings);
                steady != nullptr && steady->start == Start::kZero) {

@@ -83,9 +83,12 @@ struct ExportOptions {
                {.choices = LibraryNames(),
                 .excludes = {"--text", "--embedded", "--mjcf", "--tick-rate-hz"}},
                "print the filter alone, as lines of this library or language"),
-        UnitOption(lines.unit, {"deg", "rad", "counts"},
-                   "unit of the signal there, with --for [counts of a glove recorded in counts, "
-                   "else deg]"),
+        Option("--exact", &lines.exact, {.needs = {"--for"}},
+               "fail where the library does not have the filter; else the nearest that it has is "
+               "tuned"),
+        UnitOption(
+            lines.unit, {"deg", "rad", "counts"},
+            "unit of the signal there, with --for [that of the recording's columns, else deg]"),
         Option("--channel", &lines.channel, {.offer = Offer::kChannels, .needs = {"--for"}},
                "the channel whose settings and scale the lines have [all]"),
     };
@@ -105,8 +108,9 @@ needs no whole number of steps between two samples.
 tendons of MuJoCo with an actuator each; meshes stand beside the file in a folder of its name.
 
 With --for the filter is printed (with --out, written) for a program outside Gauntlet: at the rate
-of the scenario, with the version of the library and what differs there. A filter that the library
-does not have is an error that names the best one of the folder that it has, with its scores.
+of the scenario, with the version of the library and what differs there. Where the library does not
+have the filter, the nearest that it has is tuned for the scenario (a small search over six seeds),
+and the price is said: its scores beside those of the filter in its place, over the same seeds.
 
 Examples:
   gauntlet export out/door_opening --controller tuned_kalman --out robot.yaml

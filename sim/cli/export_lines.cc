@@ -13,15 +13,21 @@
 
 #include "controller/filters/kalman_noise.h"
 #include "controller/filters/per_channel_settings.h"
-#include "sim/answers/compare/study_folder.h"
+#include "sim/answers/tune/tune_all.h"
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
+#include "sim/base/threads.h"
+#include "sim/cli/progress.h"
+#include "sim/cli/standard_streams.h"
 #include "sim/results/table_text.h"
+#include "sim/score/metrics.h"
 #include "sim/score/score.h"
 #include "sim/settings/libraries/library.h"
+#include "sim/study/recorded_units.h"
 #include "sim/study/scenario/filter_input.h"
+#include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -82,7 +88,9 @@ bool Filters(const controller::FilterConfig& filter, int channel, const std::str
 
 std::string UnitOf(const Scenario& scenario, const LinesRequest& request) {
   if (!request.unit.empty()) return request.unit;
-  return scenario.glove.calibration.empty() ? "deg" : "counts";
+  if (!scenario.glove.calibration.empty()) return "counts";
+  const std::string recorded = SharedRecordedUnit(scenario.glove);
+  return recorded.empty() ? "deg" : recorded;
 }
 
 /// The part of a controller beside its filter that changes where the hand goes; empty if there is
@@ -130,75 +138,126 @@ std::variant<PlainFilter, std::string> PlainFilterOf(const Scenario& scenario,
                      .start_variance = factor * factor};
 }
 
-/// Scores of a controller, means over the seeds; NaN where there is none.
-double ScoreOf(const ScoreFile& scores, const std::string& controller, const char* key) {
-  const auto found = std::ranges::find(scores.controllers, controller);
-  if (found == scores.controllers.end()) return std::nan("");
-  const auto& values =
-      scores
-          .summary[static_cast<std::size_t>(found - scores.controllers.begin())][MetricIndex(key)];
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
-/// "smooth (butterworth): tracking error 1.3 in place of 1.2 deg RMS, delay .., jitter ..": the
-/// controller of the folder with the least tracking error among those whose filter the library has;
-/// empty if there is none.
-std::string NearestInFolder(const Scenario& scenario, const Library& library,
-                            const LinesRequest& request) {
-  const ScoreFile scores = ReadStudyFolder(request.folder).scores;
-  const NamedController* nearest = nullptr;
-  double least = 0.0;
-  for (const NamedController& named : scenario.controllers) {
-    if (named.config.filters.empty()) continue;
-    const auto filter = PlainFilterOf(scenario, named, request);
-    const auto* plain = std::get_if<PlainFilter>(&filter);
-    const double error = ScoreOf(scores, named.name, "tracking_rmse_deg");
-    if (plain == nullptr || !HasFilter(library, *plain) || !std::isfinite(error)) continue;
-    if (std::holds_alternative<controller::NoFilterConfig>(plain->settings)) continue;
-    if (nearest != nullptr && error >= least) continue;
-    nearest = &named;
-    least = error;
-  }
-  if (nearest == nullptr) return "";
-  std::vector<std::string> prices;
-  for (const auto& [key, name, unit] :
-       {std::tuple{"tracking_rmse_deg", "tracking error", "deg RMS"},
-        std::tuple{"delay_ms", "delay", "ms"}, std::tuple{"jitter_rms_deg", "jitter", "deg RMS"}}) {
-    prices.push_back(fmt::format("{} {:.3g} in place of {:.3g} {}", name,
-                                 ScoreOf(scores, nearest->name, key),
-                                 ScoreOf(scores, request.controller, key), unit));
-  }
-  return fmt::format("{} ({}): {}", nearest->name, nearest->config.filters.front().kind(),
-                     fmt::join(prices, ", "));
-}
-
-UserError NoSuchFilter(const Scenario& scenario, const Library& library, const PlainFilter& filter,
-                       const LinesRequest& request) {
+std::string KindsText(const Library& library, const PlainFilter& filter) {
   const std::string_view kind = controller::KindName(filter.settings);
-  std::string problem = std::ranges::find(library.kinds, kind) == library.kinds.end()
-                            ? fmt::format("has no {}", kind)
-                            : fmt::format("has no {} with this {}", kind,
-                                          kind == controller::OneEuroConfig::kKind
-                                              ? "speed_from: tune it with the other"
-                                              : "start or acceleration_window");
-  if (library.kinds.size() > 1) {
-    problem += fmt::format(" (it has {})", fmt::join(library.kinds, ", "));
+  if (std::ranges::find(library.kinds, kind) == library.kinds.end()) {
+    return fmt::format("has no {} (it has {})", kind, fmt::join(library.kinds, ", "));
   }
-  const std::string nearest = NearestInFolder(scenario, library, request);
-  if (nearest.empty()) {
-    problem += fmt::format("; gauntlet tune SCENARIO --controller {} --all tunes those, too",
-                           request.controller);
-  } else {
-    problem += "; of this folder it has " + nearest;
-  }
+  return fmt::format(
+      "has no {} with this {}", kind,
+      kind == controller::OneEuroConfig::kKind ? "speed_from" : "start or acceleration_window");
+}
+
+/// "exponential is in dex-retargeting, scipy"; empty if it is in none.
+std::string WhereItIs(const PlainFilter& filter) {
   std::vector<std::string_view> others;
   for (const Library& other : Libraries()) {
     if (HasFilter(other, filter)) others.push_back(other.name);
   }
-  if (!others.empty()) problem += fmt::format("; {} is in {}", kind, fmt::join(others, ", "));
-  return Mistake(request, std::move(problem));
+  if (others.empty()) return "";
+  return fmt::format("; {} is in {}", controller::KindName(filter.settings),
+                     fmt::join(others, ", "));
+}
+
+/// A small search on the scenario of the folder.
+TunePlan PlanOf(const LinesRequest& request) {
+  constexpr int kSeeds = 3;  // of the search, and as many of the price
+  constexpr int kEvaluations = 20;
+  const std::filesystem::path file =
+      std::filesystem::path(request.folder) / "scenario.resolved.yaml";
+  TunePlan plan;
+  plan.scenario = {.file = file, .text = ReadYamlText(file)};
+  plan.controller = request.controller;
+  plan.minimise = MetricIndex("tracking_rmse_deg");
+  plan.seeds = plan.held_out = kSeeds;
+  plan.evaluations = kEvaluations;
+  return plan;
+}
+
+/// The scenario with a form in place of the controller's filter; none for one that needs settings
+/// which the scenario does not tell, as a Kalman filter of a glove without noise.
+std::optional<Scenario> ScenarioWith(const TunePlan& plan, const FilterForm& form) {
+  try {
+    return ParseScenario(PlanOfForm(plan, form).scenario);
+  } catch (const UserError&) {
+    return {};
+  }
+}
+
+/// The filters that a library has for the signal of the controller.
+std::vector<FilterForm> FormsOf(const Library& library, const TunePlan& plan,
+                                const LinesRequest& request) {
+  std::vector<FilterForm> forms;
+  for (const std::string_view kind : library.kinds) {
+    if (kind == controller::NoFilterConfig::kKind) continue;
+    const FilterForm form{.kind = kind, .fixed = library.fixed};
+    const std::optional<Scenario> scenario = ScenarioWith(plan, form);
+    if (!scenario) continue;
+    const auto filter =
+        PlainFilterOf(*scenario, FindController(*scenario, plan.controller), request);
+    const auto* plain = std::get_if<PlainFilter>(&filter);
+    if (plain != nullptr && HasFilter(library, *plain)) forms.push_back(form);
+  }
+  return forms;
+}
+
+/// "tracking error 1.3 in place of 1.2 deg RMS, delay .., jitter ..".
+std::string PriceOf(const NearestFilter& nearest) {
+  const TuneResult& result = nearest.forms.front().result;
+  std::vector<std::string> prices;
+  for (const auto& [key, name, unit] :
+       {std::tuple{"tracking_rmse_deg", "tracking error", "deg RMS"},
+        std::tuple{"delay_ms", "delay", "ms"}, std::tuple{"jitter_rms_deg", "jitter", "deg RMS"}}) {
+    const std::size_t place = PlaceOfMetric(result, MetricIndex(key));
+    prices.push_back(fmt::format("{} {:.3g} in place of {:.3g} {}", name,
+                                 result.verdict.scores[place].mean, nearest.own.scores[place].mean,
+                                 unit));
+  }
+  return fmt::format("{}", fmt::join(prices, ", "));
+}
+
+/// A filter that the library has, tuned in place of the controller's, and what it costs.
+struct Substitute {
+  NamedController named;
+  PlainFilter filter;
+  std::string note;
+};
+
+Substitute SubstituteOf(const Library& library, const PlainFilter& filter,
+                        const LinesRequest& request) {
+  constexpr double kNoWait_s = 5.0;
+  const std::string without = KindsText(library, filter);
+  const TunePlan plan = PlanOf(request);
+  const std::vector<FilterForm> forms =
+      request.exact ? std::vector<FilterForm>() : FormsOf(library, plan, request);
+  if (forms.empty()) throw Mistake(request, without + WhereItIs(filter));
+  Progress progress("filters");
+  const NearestFilter nearest = TuneNearest(
+      plan, forms, JobsOrCores(0),
+      [&](double seconds) {
+        if (seconds <= kNoWait_s) return;
+        Say("gauntlet: tuning {} of {} takes about {:.0f} s\n",
+            forms.size() == 1 ? std::string(forms.front().kind)
+                              : fmt::format("{} kinds of filters", forms.size()),
+            library.name, seconds);
+      },
+      [&](double done, double all) { return progress.Update(done, all); });
+  const TunedKind& best = nearest.forms.front();
+  if (!best.has_answer()) {
+    throw RunError(fmt::format("--for {}: {}, and {}", library.name, without,
+                               best.left_out.empty() ? best.result.problem : best.left_out));
+  }
+  const Scenario tuned = ParseScenario(best.plan.scenario);
+  const auto plain = PlainFilterOf(tuned, best.result.controller, request);
+  if (const auto* problem = std::get_if<std::string>(&plain)) throw Mistake(request, *problem);
+  return {
+      .named = best.result.controller,
+      .filter = std::get<PlainFilter>(plain),
+      .note = fmt::format("{} {}{}. This is the nearest that it has, {} tuned for the least "
+                          "tracking error at about the jitter of {}. "
+                          "Price, over {} of both: {}.",
+                          library.name, without, WhereItIs(filter), best.kind, request.controller,
+                          best.result.split.Text(TunePart::kHeldOut), PriceOf(nearest))};
 }
 
 /// Signal, version and differences, a sentence each.
@@ -238,10 +297,20 @@ std::string LinesOf(const Scenario& scenario, const LinesRequest& request) {
   const Library& library = FindLibrary(request.library);
   const auto filter = PlainFilterOf(scenario, named, request);
   if (const auto* problem = std::get_if<std::string>(&filter)) throw Mistake(request, *problem);
-  const PlainFilter& plain = std::get<PlainFilter>(filter);
-  if (!HasFilter(library, plain)) throw NoSuchFilter(scenario, library, plain, request);
+  PlainFilter plain = std::get<PlainFilter>(filter);
+  NamedController of = named;
+  std::vector<std::string> notes;
+  if (!HasFilter(library, plain)) {
+    Substitute substitute = SubstituteOf(library, plain, request);
+    Say("gauntlet: {}\n", substitute.note);
+    notes.push_back(std::move(substitute.note));
+    of = std::move(substitute.named);
+    plain = std::move(substitute.filter);
+  }
+  const std::vector<std::string> of_filter = NotesOf(scenario, of, library, plain, request);
+  notes.insert(notes.end(), of_filter.begin(), of_filter.end());
   std::string text;
-  for (const std::string& note : NotesOf(scenario, named, library, plain, request)) {
+  for (const std::string& note : notes) {
     std::istringstream lines(Wrapped(note, kWidth));
     for (std::string line; std::getline(lines, line);) {
       text += fmt::format("{} {}\n", library.comment, line);

@@ -11,14 +11,15 @@ struct LinesRequest {
   std::string folder;      // of run or compare, whose scores the price is from
   std::string controller;  // of its scenario
   std::string library;     // a name of Libraries()
+  bool exact = false;      // a filter that it does not have is an error
   std::string channel;     // whose scale and settings the lines have; empty: all
-  std::string unit;        // of the signal there; empty: counts of a glove that was recorded in
-                           // counts, else deg
+  std::string unit;        // of the signal there; empty: that of the recording's columns, else deg
 };
 
 /// The controller's filter as lines of a library, below comments that tell signal, version and
-/// differences. Errors: UserError for a filter that the library does not have, with the best of
-/// the folder that it has and its price, and the libraries that have it; for several filters.
+/// differences. Where the library does not have the filter, the nearest that it has, tuned for the
+/// scenario of the folder, and the price; on a terminal with progress. Errors: UserError for a
+/// library that has none, and for several filters; RunError if the search has no answer.
 std::string LinesOf(const Scenario& scenario, const LinesRequest& request);
 
 }  // namespace gauntlet::sim

@@ -26,6 +26,7 @@
 #include "sim/cli/stream_table.h"
 #include "sim/recordings/time_guess.h"
 #include "sim/settings/yaml_reader.h"
+#include "sim/study/scenario/like_filters.h"
 #include "sim/tables/file_format.h"
 #include "sim/tables/source_bytes.h"
 #include "sim/tables/text_forms.h"
@@ -73,6 +74,9 @@ unit as in time_ms; in s without) passes through, and so do numbers of rows, lab
 other times by their names; all others are channels, unless --columns names some. A clock may
 go past midnight.
 Another name of a time, as recv_timestamp_ms, is taken if its first 21 values rise.
+With like=LIBRARY the settings are those of another library, as it means them (gauntlet export
+--for names them). The unit that they say is that of the columns; with --map these are degrees.
+
 The sampling rate is that of the first 21 times, unless rate_hz gives it; filters that
 only count samples need none. A missing value (empty, nan, NA), or one beyond 1e100, is
 held at the last good one.
@@ -84,6 +88,7 @@ are left out, by --hand or by a map that has the hand.
 
 Example:
   gauntlet filter kalman --set q=0.001 --set r=21.18 < in.csv > out.csv
+  gauntlet filter exponential --set like=dex-retargeting --set low_pass_alpha=0.2 < in.csv
 
   gauntlet inspect glove.csv --write-map map.csv
   gauntlet filter one_euro --map map.csv < glove.csv > angles.csv
@@ -95,6 +100,18 @@ Example:
 struct StreamFilter {
   controller::FilterConfig config;
   double rate_hz = controller::kNaN;
+  YamlSource source = {.file = "command line", .overrides = {}};
+  std::optional<LikeFilter> like = {};  // has the settings of `config`, for a rate
+
+  bool DependsOnRateOf(int channels) const {
+    return DependsOnRate(config, channels) || (like && like->settings->DependsOnRate());
+  }
+  /// At a rate, for a signal in `unit`; empty: in that of the settings.
+  controller::FilterConfig At(double rate, std::string_view unit) const {
+    controller::FilterConfig filter = config;
+    if (like) filter.settings = like->At(rate, unit, source);
+    return filter;
+  }
 
   void Visit(controller::SettingsVisitor& visitor) {
     config.Visit(visitor);
@@ -129,10 +146,18 @@ StreamFilter ReadFilter(const FilterOptions& options) {
       throw UserError({.place = "--set " + text, .problem = "ends with a comma"});
   }
   YamlNode root = YamlNode::Map({{YamlNode::Scalar("kind"), YamlNode::Scalar(options.kind)}});
-  YamlSource source{.file = "command line", .overrides = {}};
-  for (const std::string& text : options.settings) ApplyOverride(root, WithList(text), source);
   StreamFilter filter;
-  ReadAll(root, source, filter);
+  for (const std::string& text : options.settings) {
+    ApplyOverride(root, WithList(text), filter.source);
+  }
+  const YamlNode rate_hz = ChildOf(root, "rate_hz");
+  YamlNode of_library = WithoutChild(root, "rate_hz");
+  if ((filter.like = TakeLikeFilter(of_library, "", filter.source))) {
+    std::vector<YamlNode::Entry> entries = of_library.entries();
+    if (rate_hz.IsDefined()) entries.emplace_back(YamlNode::Scalar("rate_hz"), rate_hz);
+    root = YamlNode::Map(std::move(entries));
+  }
+  ReadAll(root, filter.source, filter);
   return filter;
 }
 
@@ -203,7 +228,7 @@ class FilterStream {
   void StartIfRateIsKnown() {
     constexpr double kAnyRateHz = 1000.0;
     const int count = table_.channel_count();
-    needs_rate_ = DependsOnRate(settings_.config, count);
+    needs_rate_ = settings_.DependsOnRateOf(count);
     if (!needs_rate_ || std::isfinite(settings_.rate_hz)) {
       Start(needs_rate_ ? settings_.rate_hz : kAnyRateHz);
     } else if (!clock_) {
@@ -216,7 +241,7 @@ class FilterStream {
   void Start(double rate_hz) {
     const std::size_t count = table_.channel_count();
     rate_hz_ = rate_hz;
-    filter_.emplace(settings_.config, static_cast<int>(count), rate_hz);
+    filter_.emplace(settings_.At(rate_hz, table_.unit()), static_cast<int>(count), rate_hz);
     values_.assign(count, 0.0);
     filtered_.assign(count, 0.0);
   }

@@ -172,6 +172,7 @@ StreamTable::StreamTable(const StreamHead& head, const StreamColumns& given) {
   if (given.map.empty()) {
     ChooseColumns(head, given);
   } else {
+    has_map_ = true;
     ApplyMap(head, given.map, given.asked);
   }
 }

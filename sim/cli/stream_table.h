@@ -59,6 +59,8 @@ class StreamTable {
   std::string_view header() const { return header_; }
   /// Number of channels to filter.
   std::size_t channel_count() const { return filtered_.size(); }
+  /// Of the channels: deg of a map; empty: their own.
+  std::string_view unit() const { return has_map_ ? "deg" : ""; }
   bool has_time() const { return !time_.empty(); }
   const std::vector<TimeMapping>& time() const { return time_; }
   /// Seconds per unit of Time().
@@ -103,6 +105,7 @@ class StreamTable {
   double ValueOf(std::size_t channel, double time_s);
   void WriteNumber(std::size_t channel, double value);
 
+  bool has_map_ = false;
   char separator_ = ',';
   std::size_t columns_ = 0;
   std::vector<TimeMapping> time_;  // its sum

@@ -160,7 +160,8 @@ void YamlReader::Choice(const Setting& setting, std::span<const std::string_view
                         std::size_t& index) {
   const YamlNode& node = Find(setting);
   if (!node.IsDefined()) return;
-  const std::vector<std::string> candidates(names.begin(), names.end());
+  std::vector<std::string> candidates(names.begin(), names.end());
+  std::erase(candidates, "");  // what it is where it is left out
   const std::string text =
       Scalar(node, PathOf(setting.key), fmt::format("{}", fmt::join(candidates, ", ")).c_str());
   for (std::size_t i = 0; i < names.size(); ++i) {

@@ -122,6 +122,23 @@ std::vector<double> OfFilter(const controller::FilterConfig& filter,
 
 }  // namespace
 
+std::string SharedRecordedUnit(const GloveConfig& config) {
+  const auto* motion = std::get_if<RecordedMotionConfig>(&config.motion.settings);
+  if (motion == nullptr) return "";
+  const ColumnMap map = ReadMapOf(*motion);
+  std::string shared;
+  for (const ColumnMapping& mapping : map.channels) {
+    const auto unit = UnitOfChannel(map, mapping.channel);
+    const std::string name = !unit                     ? ""
+                             : unit->name == "degrees" ? "deg"
+                             : unit->name == "radians" ? "rad"
+                                                       : "";
+    if (name.empty() || (!shared.empty() && shared != name)) return "";
+    shared = name;
+  }
+  return shared;
+}
+
 RecordedUnits UseRecordedUnits(const GloveConfig& config, controller::RobotConfig& robot) {
   const auto* motion = std::get_if<RecordedMotionConfig>(&config.motion.settings);
   controller::GloveCalibration& glove = robot.glove;

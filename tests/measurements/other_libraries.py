@@ -15,6 +15,7 @@ The recording is a finger in deg: swings, steps, noise, stretches without sample
 import argparse
 import json
 import math
+import os
 import pathlib
 import random
 import re
@@ -38,10 +39,16 @@ FILTERS = [
     ("kalman_3", "kalman", {"r": 0.01, "q": 2.0, "process_noise": "white", "states": 3}),
     ("kalman_steady", "kalman_steady", {"r": 0.01, "q": 1e-6, "states": 3}),
 ]
-LIBRARIES = ["oneeurofilter", "1eurofilter", "mediapipe", "dex-retargeting", "scipy", "filterpy", "c", "javascript"]
+LIBRARIES = ["oneeurofilter", "1eurofilter", "mediapipe", "dex-retargeting", "scipy", "filterpy", "lerobot", "c", "javascript"]
+# Programs that no registry has: their formula, that of dex-retargeting, was read in their source.
+READ = ["open-television", "wuji-retargeting"]
 PYPI = {"oneeurofilter": ["OneEuroFilter==0.2.1"], "mediapipe": ["mediapipe==0.10.21"], "scipy": ["scipy==1.17.1", "numpy==2.4.6"],
         "dex-retargeting": ["--no-deps", "dex-retargeting==0.5.0", "numpy==2.4.6"],
-        "filterpy": ["filterpy==2.0.0", "scipy==1.17.1", "numpy==2.4.6"]}
+        "filterpy": ["filterpy==2.0.0", "scipy==1.17.1", "numpy==2.4.6"],
+        "lerobot": ["numpy==1.26.4", "huggingface_hub==0.36.0", "safetensors==0.7.0"]}
+# Without what else it needs: PyTorch, as Debian has it for the processor alone.
+PYPI_ALONE = {"lerobot": ["lerobot==0.4.4"]}
+DEBIAN = {"lerobot": "python3-torch"}
 NPM = "1eurofilter@1.3.0"
 # Reasons of differences above SAME_DEG.
 REASONS = {"mediapipe": "landmarks are floats of 24 bits"}
@@ -63,6 +70,11 @@ module = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(module)
 low_pass = module.LPFilter({alpha})
 filtered = [low_pass.next(np.array([x]))[0] for x in samples]""",
+    # Its __init__ imports the steps for images and tokens, with all that these need.
+    "lerobot": """import math
+pipeline = RobotProcessorPipeline([SmoothAction(["index.pos"])], to_transition=robot_action_to_transition,
+                                  to_output=transition_to_robot_action)
+filtered = [pipeline({{"index.pos": x if x is not None else math.nan, "wrist.pos": 1.0}})["index.pos"] for x in samples]""",
     "mediapipe": '''import mediapipe as mp
 from mediapipe.framework.formats import landmark_pb2
 graph = mp.CalculatorGraph(graph_config="""
@@ -84,6 +96,15 @@ for x, t in zip(samples, times_s):
 graph.close_all_packet_sources()
 graph.wait_until_done()''',
 }
+LEROBOT_HEAD = """import importlib.metadata, os, sys, types
+sys.path += os.environ["DEBIAN_PYTHON"].split(":")
+package = types.ModuleType("lerobot.processor")
+package.__path__ = [str(importlib.metadata.distribution("lerobot").locate_file("lerobot/processor"))]
+sys.modules[package.__name__] = package
+from lerobot.processor.converters import robot_action_to_transition, transition_to_robot_action
+from lerobot.processor.pipeline import ProcessorStepRegistry, RobotActionProcessorStep, RobotProcessorPipeline
+package.ProcessorStepRegistry, package.RobotActionProcessorStep = ProcessorStepRegistry, RobotActionProcessorStep
+"""
 C_MAIN = """
 #include <stdio.h>
 int main(void) {
@@ -144,7 +165,7 @@ def make_controllers(gauntlet, folder):
 
 def lines_of(gauntlet, folder, controller, library):
     """Comments and code of an export, or none."""
-    result = subprocess.run([gauntlet, "export", folder / "out", "--controller", controller, "--for", library],
+    result = subprocess.run([gauntlet, "export", folder / "out", "--controller", controller, "--for", library, "--exact"],
                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
     if result.returncode == 2 and "has no" in result.stderr:
         return None
@@ -153,6 +174,24 @@ def lines_of(gauntlet, folder, controller, library):
     rows = result.stdout.split("\n")
     head = next(i for i, row in enumerate(rows) if not row.startswith(("# ", "// ")))
     return [row.lstrip("#/ ") for row in rows[:head]], "\n".join(rows[head:])
+
+
+def unpack_debian(package, place):
+    """A package and what it needs beyond this machine's, without installing them."""
+    place.mkdir(exist_ok=True)
+    plan = run(["apt-get", "install", "--simulate", "--no-install-recommends", package])
+    names = [line.split()[1] for line in plan.splitlines() if line.startswith("Inst ")]
+    if names:
+        run(["apt-get", "download", *names], cwd=place)
+    for archive in place.glob("*.deb"):
+        run(["dpkg", "-x", archive, place / "root"])
+
+
+def of_debian(place):
+    """The environment in which Python finds what unpack_debian() unpacked."""
+    folders = {str(file.parent) for file in (place / "root/usr/lib").rglob("lib*.so*") if "python3" not in str(file)}
+    return {**os.environ, "LD_LIBRARY_PATH": ":".join(sorted(folders)),
+            "DEBIAN_PYTHON": ":".join([str(place / "root/usr/lib/python3/dist-packages"), "/usr/lib/python3/dist-packages"])}
 
 
 class Machine:
@@ -167,7 +206,12 @@ class Machine:
         place = self.folder / library
         if not (place / "ready").exists():
             run([sys.executable, "-m", "venv", "--clear", place])
-            run([place / "bin/pip", "-q", "--disable-pip-version-check", "install", *PYPI[library]])
+            pip = [place / "bin/pip", "-q", "--disable-pip-version-check", "install"]
+            run([*pip, *PYPI[library]])
+            if library in PYPI_ALONE:
+                run([*pip, "--no-deps", *PYPI_ALONE[library]])
+            if library in DEBIAN:
+                unpack_debian(DEBIAN[library], place / "debian")
             (place / "ready").touch()
         return place / "bin/python"
 
@@ -195,8 +239,14 @@ class Machine:
             how, code = how.format(alpha=re.search(r"low_pass_alpha: (\S+)", code)[1]), ""
         if library == "mediapipe":
             how, code = how.format(options=" ".join(code.split())), ""
+        python, environment = self.python(library), None
+        if library == "lerobot":
+            how, code = how.format(), LEROBOT_HEAD + code
+            filled = [None if math.isnan(x) else x for x in angles]
+            environment = of_debian(self.folder / library / "debian")
         (self.work / "smooth.py").write_text(PYTHON.format(lines=code, run=how))
-        return json.loads(run([self.python(library), self.work / "smooth.py"], json.dumps([filled, times_s])))
+        return json.loads(run([python, self.work / "smooth.py"], json.dumps([filled, times_s]), env=environment))
+
 
 
 def largest(one, other):
@@ -224,6 +274,9 @@ def measure(gauntlet, machine, work, libraries):
             if library in ("oneeurofilter", "1eurofilter", "mediapipe"):
                 with_times = largest(reference, machine.filtered(library, code, angles, times_s, with_times=True))
             rows.append((library, name, difference, with_times))
+    if libraries == LIBRARIES:
+        for library in READ:
+            notes[library] = " ".join(lines_of(gauntlet, work, "exponential", library)[0])
     return rows, notes
 
 
@@ -252,8 +305,10 @@ gauntlet compare my_hand.yaml
 gauntlet export out/my_hand --controller one_euro --for oneeurofilter
 ```
 
-If the library does not have the filter, the command fails. Its message names the best filter of the folder that the
-library has, with the scores of both, and the libraries that have the filter.
+If the library does not have the filter, the nearest that it has is tuned in its place: the one with the least tracking
+error among those with at most the jitter of your filter. The first comment says which, and what it costs: its scores
+beside those of your filter, over the same seeds, which are not those of the search. The command first says how long the
+search takes, if that is more than 5 s. With `--exact` it fails instead, and names the libraries that have the filter.
 
 ## Filters by library
 
@@ -267,6 +322,10 @@ rate.
     of = {(library, name): number(difference) for library, name, difference, _ in rows}
     text += table(["filter", *LIBRARIES], [[f"`{kind}`" + (chosen[name] and f" with {chosen[name]}"),
                                             *(of.get((library, name), "") for library in LIBRARIES)] for name, kind, _ in FILTERS])
+    text += """
+`open-television` and `wuji-retargeting` have `exponential` alone, by the formula of `dex-retargeting`. They are in no registry of
+packages: the formula was read in their source, and is not run by the test.
+"""
     text += "\nThe only difference above 1e-9 is that of MediaPipe: " + REASONS["mediapipe"] + ".\n"
     text += "\nWith the jittered times:\n\n"
     text += table(["filter", "library", "difference"],
@@ -288,14 +347,15 @@ comparison:
 ```yaml
 controllers:
   mine: {filter: {kind: one_euro, like: mediapipe, min_cutoff: 0.05, beta: 0.8, unit: rad, disable_value_scaling: true}}
-  arm: {filter: {kind: exponential, like: dex-retargeting, low_pass_alpha: 0.2, rate_hz: 30}}
+  arm: {filter: {kind: exponential, like: dex-retargeting, low_pass_alpha: 0.2, loop_hz: 30}}
 ```
 
 | `like` | keys |
 |---|---|
 | `oneeurofilter`, `1eurofilter` | `mincutoff`, `beta`, `dcutoff`, `unit` |
 | `mediapipe` | `frequency` (of the first step alone), `min_cutoff`, `beta`, `derivate_cutoff`, `disable_value_scaling`, `unit` |
-| `dex-retargeting` | `low_pass_alpha`, `rate_hz`: the rate of the program that has it, if it is not the glove's |
+| `dex-retargeting`, `open-television` | `low_pass_alpha`, `loop_hz`: frames per second of the program that has it, if they are not the glove's |
+| `wuji-retargeting` | `lp_alpha`, `loop_hz` |
 | `scipy` | `N`, `Wn`, `fs` of `butter()`: without `fs`, `Wn` is a share of half the glove's rate |
 
 - `unit` (deg, rad or counts) is that of the signal which `beta` is for. It must be given where `beta` is not 0.
@@ -303,6 +363,10 @@ controllers:
   which angles do not have.
 - `low_pass_alpha` at another rate keeps its decay in time: 0.2 at 30 Hz is 0.106 at 60 Hz.
 - `scenario.resolved.yaml` has the settings of Gauntlet's filter.
+
+A stream takes them, too: `gauntlet filter exponential --set like=dex-retargeting --set low_pass_alpha=0.2 < in.csv`, in
+Python `gauntlet.filter(angles, "exponential", like="dex-retargeting", low_pass_alpha=0.2)`. There `unit` is the unit of
+the samples; only `--map`, which makes degrees, converts.
 """
 
 

@@ -105,6 +105,18 @@ RobotConfig WithoutJumps() {
   return robot;
 }
 
+/// A list of settings, a value for each channel; and one to which a list settles.
+RobotConfig PerChannel() {
+  RobotConfig robot = SettledKalman();
+  std::vector<double> cutoffs_hz;
+  for (int i = 0; i < kChannels; ++i) cutoffs_hz.push_back(1.0 + i);
+  robot.controller.filters = {
+      {.settings = OneEuroConfig{}, .per_channel = {{"min_cutoff_hz", cutoffs_hz}}}};
+  std::vector<std::string> replaced;
+  robot.controller = Settled(robot, replaced);
+  return robot;
+}
+
 /// The same with test::ToMixedConverters().
 RobotConfig MixedConverters() {
   RobotConfig robot = WithoutJumps();
@@ -332,6 +344,7 @@ INSTANTIATE_TEST_SUITE_P(Robots, EmbeddedController,
                                          NamedRobot{"Unusual", Unusual},
                                          NamedRobot{"HoldsALostGlove", HoldsALostGlove},
                                          NamedRobot{"RestsALostGlove", RestsALostGlove},
+                                         NamedRobot{"PerChannel", PerChannel},
                                          NamedRobot{"MixedConverters", MixedConverters}));
 
 TEST(MixedConverters, GiveTheCommandsOfTheSameGloveWithOneConverter) {
@@ -426,13 +439,6 @@ TEST(EmbeddedSettings, RefuseWhatTheEmbeddedFormDoesNotHold) {
               r.controller.filters = {{.settings = ExponentialConfig{}, .channels = {"1"}}};
             }),
             "controller.filter[0].channels: is given, must be absent in the embedded form");
-  EXPECT_EQ(
-      complaint([](Robot r) {
-        const std::size_t channels = r.glove.channel_names.size();
-        r.controller.filters = {{.settings = ExponentialConfig{},
-                                 .per_channel = {{"alpha", std::vector<double>(channels, 0.5)}}}};
-      }),
-      "controller.filter[0].alpha: is a list, must be one value in the embedded form");
   EXPECT_EQ(complaint([](Robot r) {
               r.controller.filters = {{KalmanSteadyConfig{.start = Start::kZero}}};
             }),

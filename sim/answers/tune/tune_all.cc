@@ -17,24 +17,25 @@
 #include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
+
+TunePlan PlanOfForm(const TunePlan& plan, const FilterForm& form) {
+  TunePlan of_kind = plan;
+  of_kind.prefers_low_jitter = false;  // kinds are compared by their least values
+  of_kind.scenario.overrides.push_back(fmt::format("controllers.{}.filter={{kind: {}{}{}}}",
+                                                   plan.controller, form.kind,
+                                                   form.fixed.empty() ? "" : ", ", form.fixed));
+  return of_kind;
+}
+
 namespace {
 
 constexpr std::array kFrontLevels = {0.7, 0.5, 0.35, 0.25};
 
-/// The plan for one kind, without what is free.
-TunePlan PlanOfKind(const TunePlan& plan, std::string_view kind) {
-  TunePlan of_kind = plan;
-  of_kind.prefers_low_jitter = false;  // kinds are compared by their least values
-  of_kind.scenario.overrides.push_back(
-      fmt::format("controllers.{}.filter={{kind: {}}}", plan.controller, kind));
-  return of_kind;
-}
-
-TunedKind TuneKind(const TunePlan& plan, const TuneSplit& split, std::string_view kind, int jobs,
+TunedKind TuneForm(const TunePlan& plan, const TuneSplit& split, const FilterForm& form, int jobs,
                    const std::function<bool(double, double)>& progress) {
-  TunedKind tuned{.kind = std::string(kind),
+  TunedKind tuned{.kind = std::string(form.kind),
                   .left_out = {},
-                  .plan = PlanOfKind(plan, kind),
+                  .plan = PlanOfForm(plan, form),
                   .result = {},
                   .to_best = {}};
   Scenario scenario;
@@ -142,7 +143,7 @@ std::vector<TunedKind> SearchKinds(const TunePlan& plan,
   std::vector<TunedKind> tuned;
   for (const controller::FilterKind& kind : kinds) {
     const auto before = static_cast<double>(tuned.size());
-    tuned.push_back(TuneKind(of_all, split, kind.name, jobs, [&](double done, double of) {
+    tuned.push_back(TuneForm(of_all, split, {.kind = kind.name}, jobs, [&](double done, double of) {
       return progress(before + done / of, all);
     }));
   }
@@ -156,6 +157,36 @@ std::vector<TunedKind> TuneAll(const TunePlan& plan, int jobs,
   std::vector<TunedKind> tuned = SearchKinds(plan, controller::FilterKinds(), jobs, progress);
   JudgeKinds(plan, tuned);
   return tuned;
+}
+
+NearestFilter TuneNearest(const TunePlan& plan, std::span<const FilterForm> forms, int jobs,
+                          const std::function<void(double seconds)>& expect,
+                          const std::function<bool(double done, double all)>& progress) {
+  using Clock = std::chrono::steady_clock;
+  constexpr double kAsMuchJitter = 1.05;
+  const TuneSplit split = SplitOf(plan, jobs);
+  const auto all = static_cast<double>(forms.size());
+  const TuneBench::Progress first = [&](double, int) { return progress(0.0, all); };
+  TunePlan bound = plan;
+  if (const double jitter = JitterBefore(plan, split, jobs, first); jitter > 0.0) {
+    bound.constraints = {
+        {.metric = MetricIndex("jitter_rms_deg"), .bound = kAsMuchJitter * jitter}};
+  }
+  const TuneBench bench(bound, TuneMetrics(bound), split, TunePart::kHeldOut, jobs);
+  NearestFilter nearest{.forms = {}, .own = bench.Run({}, first)};
+  if (!nearest.own.problem.empty()) throw RunError(plan.controller + ": " + nearest.own.problem);
+  const auto begin = Clock::now();
+  bench.Run({}, first);  // the first one also makes the signals, which the search keeps
+  const std::chrono::duration<double> once = Clock::now() - begin;
+  expect(once.count() * all * (plan.evaluations + 2.0));
+  for (const FilterForm& form : forms) {
+    const auto before = static_cast<double>(nearest.forms.size());
+    nearest.forms.push_back(TuneForm(bound, split, form, jobs, [&](double done, double of) {
+      return progress(before + done / of, all);
+    }));
+  }
+  JudgeKinds(bound, nearest.forms);
+  return nearest;
 }
 
 void TuneSomeKinds(const TunePlan& plan, const WorkRange& kinds) {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/answers/tune/tune.h"
@@ -40,6 +42,28 @@ void TuneSomeKinds(const TunePlan& plan, const WorkRange& kinds);
 /// Cancelled.
 void AwaitKinds(const TunePlan& plan, Elsewhere& elsewhere,
                 const std::function<bool(double done, double all)>& progress);
+
+/// A kind of filter with settings that are not searched: `speed_from: raw`.
+struct FilterForm {
+  std::string_view kind;
+  std::string_view fixed = {};
+};
+
+/// The plan for one form in place of the controller's filter, without what is free.
+TunePlan PlanOfForm(const TunePlan& plan, const FilterForm& form);
+
+/// What comes closest to a controller's filter among some others.
+struct NearestFilter {
+  std::vector<TunedKind> forms;  // as those of TuneAll(): the chosen one first
+  TunedSetting own;              // the controller as the scenario has it, on the held-out part
+};
+
+/// TuneAll() for some forms in place of the filter of plan.controller, none of them `none`, with its
+/// own jitter as the bound: else the best of a signal with little noise is none at all. Before the
+/// search, `expect` gets about how many seconds it takes. Errors: as TuneAll().
+NearestFilter TuneNearest(const TunePlan& plan, std::span<const FilterForm> forms, int jobs,
+                          const std::function<void(double seconds)>& expect,
+                          const std::function<bool(double done, double all)>& progress);
 
 /// The kind with the setting that breaks the bounds least, if none keeps them; null for none.
 const TunedKind* NearestKind(const std::vector<TunedKind>& kinds);

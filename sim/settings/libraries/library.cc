@@ -10,9 +10,10 @@
 namespace gauntlet::sim {
 
 std::span<const Library> Libraries() {
-  static const std::vector<Library> kLibraries = {OneEuroOfPypi(),  OneEuroOfNpm(),   MediaPipe(),
-                                                  DexRetargeting(), ScipySignal(),    FilterPy(),
-                                                  PlainC(),         PlainJavaScript()};
+  static const std::vector<Library> kLibraries = {
+      OneEuroOfPypi(),  OneEuroOfNpm(),    MediaPipe(),      DexRetargeting(),
+      OpenTeleVision(), WujiRetargeting(), ScipySignal(),    FilterPy(),
+      LeRobot(),        PlainC(),          PlainJavaScript()};
   return kLibraries;
 }
 

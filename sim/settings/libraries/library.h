@@ -31,8 +31,12 @@ class LikeSettings {
   /// The filter of Gauntlet at `rate_hz`; its settings are for a signal in unit().
   /// Errors: SettingError.
   virtual controller::FilterSettings At(double rate_hz) const = 0;
-  /// deg, rad or counts; empty: no setting depends on it.
+  /// deg, rad or counts; empty: not given.
   virtual std::string unit() const { return ""; }
+  /// The setting that depends on the unit, and its own unit, as a sentence says it; empty: none.
+  virtual std::string_view DependsOnUnit() const { return ""; }
+  /// At() differs from rate to rate, even where its filter counts samples.
+  virtual bool DependsOnRate() const { return false; }
 };
 
 /// For Library::like.
@@ -47,12 +51,15 @@ struct Library {
   std::string_view package;  // with the version that the lines were run with
   std::string_view comment;  // mark of a comment
   std::vector<std::string_view> kinds;
+  /// A setting of Gauntlet's filter that is so there, as `speed_from: raw`; empty: none.
+  std::string_view fixed = {};
   /// Differences from Gauntlet's filter, a sentence each.
   std::vector<std::string_view> differences;
   /// The filter as lines; empty where the library has none with these settings.
   std::string (*lines)(const PlainFilter& filter);
   /// The settings that `like` reads; null: none.
   std::unique_ptr<LikeSettings> (*like)();
+  std::string_view like_kind = {};  // of the filter that these are
 };
 
 /// All of them, in the order of every list.
@@ -62,13 +69,16 @@ const Library& FindLibrary(const std::string& name);
 /// True if the library has lines for the filter.
 bool HasFilter(const Library& library, const PlainFilter& filter);
 
-/// One row of Libraries() each, with its own file.
+/// One row of Libraries() each.
 Library OneEuroOfPypi();
 Library OneEuroOfNpm();
 Library MediaPipe();
 Library DexRetargeting();
+Library OpenTeleVision();
+Library WujiRetargeting();
 Library ScipySignal();
 Library FilterPy();
+Library LeRobot();
 Library PlainC();
 Library PlainJavaScript();
 

@@ -61,13 +61,15 @@ Library MediaPipe() {
       .package = "mediapipe 0.10.21 (PyPI)",
       .comment = "#",
       .kinds = {OneEuroConfig::kKind},
+      .fixed = "speed_from: raw",
       .differences =
           {"These are options of a LandmarksSmoothingCalculator.",
            "It smooths coordinates of landmarks, in float. beta here is for the unit above: for "
            "other coordinates it is another number.",
            "The intervals are those of the packets' timestamps in whole us."},
       .lines = MediaPipeLines,
-      .like = MakeLike<MediaPipeLike>};
+      .like = MakeLike<MediaPipeLike>,
+      .like_kind = OneEuroConfig::kKind};
 }
 
 }  // namespace gauntlet::sim

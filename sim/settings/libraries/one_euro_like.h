@@ -14,14 +14,11 @@ class OneEuroLike : public LikeSettings {
   explicit OneEuroLike(controller::OneEuroConfig::SpeedFrom speed_from)
       : config_{.speed_from = speed_from} {}
 
-  controller::FilterSettings At(double /*rate_hz*/) const override {
-    if (config_.beta != 0.0 && unit().empty()) {
-      throw controller::SettingError(
-          "unit", "must be given: beta is in Hz/(unit/s) of the signal (deg, rad or counts)");
-    }
-    return config_;
-  }
+  controller::FilterSettings At(double /*rate_hz*/) const override { return config_; }
   std::string unit() const override { return std::string(kUnits[unit_]); }
+  std::string_view DependsOnUnit() const override {
+    return config_.beta == 0.0 ? "" : "beta is in Hz/(unit/s)";
+  }
 
  protected:
   void VisitValues(controller::SettingsVisitor& visitor, std::string_view min_cutoff,

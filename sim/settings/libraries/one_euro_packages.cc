@@ -64,7 +64,8 @@ Library OneEuroOfPypi() {
           .kinds = {OneEuroConfig::kKind},
           .differences = kDifferences,
           .lines = PypiLines,
-          .like = MakeLike<PackageLike>};
+          .like = MakeLike<PackageLike>,
+          .like_kind = OneEuroConfig::kKind};
 }
 
 Library OneEuroOfNpm() {
@@ -74,7 +75,8 @@ Library OneEuroOfNpm() {
           .kinds = {OneEuroConfig::kKind},
           .differences = kDifferences,
           .lines = NpmLines,
-          .like = MakeLike<PackageLike>};
+          .like = MakeLike<PackageLike>,
+          .like_kind = OneEuroConfig::kKind};
 }
 
 }  // namespace gauntlet::sim

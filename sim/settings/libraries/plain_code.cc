@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +22,7 @@ struct Language {
 };
 const Language kC = {"s->", "const double", "double", "int", "fabs"};
 const Language kJavaScript = {"s.", "const", "let", "let", "Math.abs"};
+const Language kPython = {"s.", "", "", "", "abs"};  // of statements without lists and loops
 
 /// A filter in statements that take the sample x, as those of Gauntlet do, and return the filtered
 /// value.
@@ -115,7 +118,7 @@ Code CodeOf(const auto& config, const PlainFilter& filter, const Language& langu
   if (has_speed) code.numbers.emplace_back("v");
   if (has_acceleration) {
     code.numbers.emplace_back("a");
-    code.statements += fmt::format("{0}y += {0}v + {0}a / 2, {0}v += {0}a;\n", s);
+    code.statements += fmt::format("{0}y += {0}v + {0}a / 2;\n{0}v += {0}a;\n", s);
   } else if (has_speed) {
     code.statements += fmt::format("{0}y += {0}v;\n", s);
   }
@@ -129,6 +132,17 @@ Code CodeOf(const auto& config, const PlainFilter& filter, const Language& langu
 Code CodeOf(const PlainFilter& filter, const Language& language) {
   return std::visit([&](const auto& config) { return CodeOf(config, filter, language); },
                     filter.settings);
+}
+
+/// The statements as those of Python: no semicolons, nor words before a new name.
+std::string AsPython(const std::string& statements) {
+  std::string text;
+  std::istringstream lines(statements);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.ends_with(';')) line.pop_back();
+    text += line.substr(line.find_first_not_of(' ')) + "\n";
+  }
+  return text;
 }
 
 std::string Indented(const std::string& lines, int depth) {
@@ -190,6 +204,54 @@ function makeSmoother() {{
       Indented(code.statements, 4));
 }
 
+std::string LeRobotLines(const PlainFilter& filter) {
+  const Code code = CodeOf(filter, kPython);
+  if (code.statements.empty()) return "";
+  std::string members = "held=x";
+  for (const std::string& number : code.numbers) {
+    const bool starts = std::ranges::count(code.starting, number) > 0;
+    members += fmt::format(", {}={}", number, starts ? "x" : "0.0");
+  }
+  return fmt::format(
+      R"(import math
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+from lerobot.processor import ProcessorStepRegistry, RobotActionProcessorStep
+
+@ProcessorStepRegistry.register("smooth_action")
+@dataclass
+class SmoothAction(RobotActionProcessorStep):
+    """Once for each frame, at the rate above. keys: of the action, as "index.pos"; none: all."""
+
+    keys: list[str] = field(default_factory=list)
+    states: dict = field(default_factory=dict, init=False, repr=False)
+
+    def action(self, action):
+        return {{**action, **{{key: self.smooth(key, float(action[key])) for key in self.keys or action}}}}
+
+    def smooth(self, key, x):
+        s = self.states.get(key)
+        if math.isnan(x):
+            if s is None:
+                return x
+            x = s.held
+        if s is None:
+            s = self.states[key] = SimpleNamespace({})
+{}        s.held = x
+{}
+    def reset(self):
+        self.states.clear()
+
+    def get_config(self):
+        return {{"keys": self.keys}}
+
+    def transform_features(self, features):
+        return features
+)",
+      members, Indented(AsPython(code.early), 8), Indented(AsPython(code.statements), 8));
+}
+
 const std::vector<std::string_view> kKinds = {
     controller::ExponentialConfig::kKind,  controller::OneEuroConfig::kKind,
     controller::ButterworthConfig::kKind,  controller::MovingAverageConfig::kKind,
@@ -206,6 +268,21 @@ Library PlainC() {
           .differences = {"On an AVR (Arduino Uno) double is a float of 24 bits.",
                           "Call it at the rate above, also where a sample is missing."},
           .lines = CLines,
+          .like = nullptr};
+}
+
+Library LeRobot() {
+  return {.name = "lerobot",
+          .package = "lerobot 0.4.4 (PyPI)",
+          .comment = "#",
+          .kinds = {controller::ExponentialConfig::kKind, controller::OneEuroConfig::kKind,
+                    controller::AlphaBetaConfig::kKind, controller::AlphaBetaGammaConfig::kKind,
+                    controller::KalmanSteadyConfig::kKind},
+          .differences = {"A step of a RobotProcessorPipeline of actions. Its unit is that of the "
+                          "robot's actions (degrees, or -100 to 100).",
+                          "It has no rate: a loop of another fps needs other settings.",
+                          "reset() of the pipeline lets it begin anew: call it for each episode."},
+          .lines = LeRobotLines,
           .like = nullptr};
 }
 

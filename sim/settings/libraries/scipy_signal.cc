@@ -93,7 +93,8 @@ Library ScipySignal() {
                           "window: give the last good sample again.",
                           "savgol_filter() and filtfilt() look ahead: these lines do not."},
           .lines = ScipyLines,
-          .like = MakeLike<ButterLike>};
+          .like = MakeLike<ButterLike>,
+          .like_kind = controller::ButterworthConfig::kKind};
 }
 
 }  // namespace gauntlet::sim

@@ -358,7 +358,7 @@ Scenario ParseScenario(const ScenarioText& text, const std::vector<std::string>&
   YamlSource source;
   const RepeatedSettings lists = FirstTreeOf(text, overrides, root, source);
   const std::vector<AutoHorizon> auto_horizons = TakeAutoHorizons(root);
-  const std::vector<LikeFilter> like_filters = TakeLikeFilters(root, source);
+  const std::vector<LikeFilterOf> like_filters = TakeLikeFilters(root, source);
   Scenario scenario = ReadScenario(lists, 0, root, source);
   CheckNames(root, source, scenario);
   FillControllers(root, source, auto_horizons, scenario);

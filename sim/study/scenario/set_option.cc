@@ -125,6 +125,19 @@ std::string FreeName(const std::string& kind, const std::vector<std::string>& na
   return name;
 }
 
+/// The comma behind a setting, whose own commas are in brackets.
+std::size_t EndOfSetting(std::string_view words, std::size_t begin) {
+  int depth = 0;
+  std::size_t at = begin;
+  for (; at < words.size(); ++at) {
+    const char c = words[at];
+    if (c == ',' && depth <= 0) break;
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') --depth;
+  }
+  return at;
+}
+
 void AddController(YamlNode& root, const std::string& text, std::string_view words,
                    YamlSource& source) {
   const std::size_t colon = std::min(words.find(':'), words.size());
@@ -144,7 +157,7 @@ void AddController(YamlNode& root, const std::string& text, std::string_view wor
           source);
   source.overrides[path] = text;
   for (std::size_t begin = colon + 1; begin < words.size();) {
-    const std::size_t end = std::min(words.find(',', begin), words.size());
+    const std::size_t end = EndOfSetting(words, begin);
     const std::string_view setting = words.substr(begin, end - begin);
     if (setting.find('=') == std::string_view::npos) {
       Fail(text, path, fmt::format("'{}' must be key=value", OneLine(setting)));
@@ -159,6 +172,10 @@ void AddController(YamlNode& root, const std::string& text, std::string_view wor
 void ApplySet(YamlNode& root, const std::string& text, YamlSource& source) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) return ApplyOverride(root, text, source);
+  if (const std::string path = text.substr(0, equals - 1); text[equals - 1] == '-') {
+    Fail(text, path,
+         fmt::format("-= is unknown; {}+=-{} takes away", path, text.substr(equals + 1)));
+  }
   const bool adds = text[equals - 1] == '+';
   const std::string path = text.substr(0, adds ? equals - 1 : equals);
   RefuseKeyOfOtherLevel(root, text, path.substr(0, path.find_first_of(".[")));
