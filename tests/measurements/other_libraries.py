@@ -306,7 +306,7 @@ gauntlet export out/my_hand --controller one_euro --for oneeurofilter
 ```
 
 If the library does not have the filter, the nearest that it has is tuned in its place: the one with the least tracking
-error among those with at most the jitter of your filter. The first comment says which, and what it costs: its scores
+error among those with about the jitter of your filter. The first comment says which, and what it costs: its scores
 beside those of your filter, over the same seeds, which are not those of the search. The command first says how long the
 search takes, if that is more than 5 s. With `--exact` it fails instead, and names the libraries that have the filter.
 
@@ -324,7 +324,8 @@ rate.
                                             *(of.get((library, name), "") for library in LIBRARIES)] for name, kind, _ in FILTERS])
     text += """
 `open-television` and `wuji-retargeting` have `exponential` alone, by the formula of `dex-retargeting`. They are in no registry of
-packages: the formula was read in their source, and is not run by the test.
+packages: the formula was read in their source, and is not run by the test. `lerobot` is run with the PyTorch of Debian 12
+(1.13), older than it asks for, and without its steps for images and tokens.
 """
     text += "\nThe only difference above 1e-9 is that of MediaPipe: " + REASONS["mediapipe"] + ".\n"
     text += "\nWith the jittered times:\n\n"

@@ -57,6 +57,15 @@ class Filter(Test):
         np.testing.assert_allclose(mean[3:], expected[3:], rtol=1e-12)
         self.assertTrue(np.array_equal(mean, gauntlet.filter(values, {"kind": "moving_average", "window": 4})))
 
+    def test_settings_of_another_library_are_read_as_it_means_them(self):
+        step = np.array([0.0, 100.0])
+        theirs = {"kind": "exponential", "like": "dex-retargeting", "low_pass_alpha": 0.36}
+        self.assertAlmostEqual(gauntlet.filter(step, theirs)[1], 36.0)
+        # 40 Hz there are 20 Hz here: 1 - 0.64^2.
+        self.assertAlmostEqual(gauntlet.filter(step, theirs, loop_hz=40, rate_hz=20)[1], 59.04)
+        with self.assertRaisesRegex(ValueError, "rate_hz: is needed"):
+            gauntlet.filter(step, theirs, loop_hz=40)
+
     def test_takes_every_layout_and_type_of_real_numbers(self):
         values = noisy()
         whole = gauntlet.filter(values, KALMAN)
