@@ -84,7 +84,7 @@ struct ExportOptions {
                 .excludes = {"--text", "--embedded", "--mjcf", "--tick-rate-hz"}},
                "print the filter alone, as lines of this library or language"),
         Option("--exact", &lines.exact, {.needs = {"--for"}},
-               "fail where the library does not have the filter; else the nearest that it has is "
+               "fail where the library does not have the filter; else the closest that it has is "
                "tuned"),
         UnitOption(
             lines.unit, {"deg", "rad", "counts"},
@@ -109,7 +109,7 @@ tendons of MuJoCo with an actuator each; meshes stand beside the file in a folde
 
 With --for the filter is printed (with --out, written) for a program outside Gauntlet: at the rate
 of the scenario, with the version of the library and what differs there. Where the library does not
-have the filter, the nearest that it has is tuned for the scenario (a small search over six seeds),
+have the filter, the closest that it has is tuned for the scenario (a small search over six seeds),
 and the price is said: its scores beside those of the filter in its place, over the same seeds.
 
 Examples:

@@ -253,7 +253,7 @@ Substitute SubstituteOf(const Library& library, const PlainFilter& filter,
   return {
       .named = best.result.controller,
       .filter = std::get<PlainFilter>(plain),
-      .note = fmt::format("{} {}{}. This is the nearest that it has, {} tuned for the least "
+      .note = fmt::format("{} {}{}. This is the closest that it has, {} tuned for the least "
                           "tracking error at about the jitter of {}. "
                           "Price, over {} of both: {}.",
                           library.name, without, WhereItIs(filter), best.kind, request.controller,

@@ -17,7 +17,7 @@ struct LinesRequest {
 };
 
 /// The controller's filter as lines of a library, below comments that tell signal, version and
-/// differences. Where the library does not have the filter, the nearest that it has, tuned for the
+/// differences. Where the library does not have the filter, the closest that it has, tuned for the
 /// scenario of the folder, and the price; on a terminal with progress. Errors: UserError for a
 /// library that has none, and for several filters; RunError if the search has no answer.
 std::string LinesOf(const Scenario& scenario, const LinesRequest& request);

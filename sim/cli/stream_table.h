@@ -59,7 +59,7 @@ class StreamTable {
   std::string_view header() const { return header_; }
   /// Number of channels to filter.
   std::size_t channel_count() const { return filtered_.size(); }
-  /// Of the channels: deg of a map; empty: their own.
+  /// Unit of the channels: deg of a map; empty: their own.
   std::string_view unit() const { return has_map_ ? "deg" : ""; }
   bool has_time() const { return !time_.empty(); }
   const std::vector<TimeMapping>& time() const { return time_; }

@@ -305,7 +305,7 @@ gauntlet compare my_hand.yaml
 gauntlet export out/my_hand --controller one_euro --for oneeurofilter
 ```
 
-If the library does not have the filter, the nearest that it has is tuned in its place: the one with the least tracking
+If the library does not have the filter, the closest that it has is tuned in its place: the one with the least tracking
 error among those with about the jitter of your filter. The first comment says which, and what it costs: its scores
 beside those of your filter, over the same seeds, which are not those of the search. The command first says how long the
 search takes, if that is more than 5 s. With `--exact` it fails instead, and names the libraries that have the filter.

@@ -52,15 +52,15 @@ struct FilterForm {
 /// The plan for one form in place of the controller's filter, without what is free.
 TunePlan PlanOfForm(const TunePlan& plan, const FilterForm& form);
 
-/// What comes closest to a controller's filter among some others.
+/// The filter that comes closest to a controller's among some others.
 struct NearestFilter {
   std::vector<TunedKind> forms;  // as those of TuneAll(): the chosen one first
   TunedSetting own;              // the controller as the scenario has it, on the held-out part
 };
 
-/// TuneAll() for some forms in place of the filter of plan.controller, none of them `none`, with its
-/// own jitter as the bound: else the best of a signal with little noise is none at all. Before the
-/// search, `expect` gets about how many seconds it takes. Errors: as TuneAll().
+/// TuneAll() for some forms in place of the filter of plan.controller, none of them `none`. Its own
+/// jitter is the bound: else the best for a signal with little noise is no smoothing at all. Before
+/// the search, `expect` gets about how many seconds it takes. Errors: as TuneAll().
 NearestFilter TuneNearest(const TunePlan& plan, std::span<const FilterForm> forms, int jobs,
                           const std::function<void(double seconds)>& expect,
                           const std::function<bool(double done, double all)>& progress);
