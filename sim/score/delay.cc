@@ -72,57 +72,73 @@ struct Centred {
   double operator[](int n) const { return values[n] - mean; }
 };
 
-/// A counted range of leader and follower, and their common transform.
+/// A counted range of leader and follower.
 struct Pair {
   int samples = 0;
-  int size = 0;  // of the transform
   Centred leader;
   Centred follower;
-  Values spectrum;  // of the leader as real, the follower as imaginary part
 };
 
-Pair Transform(Centred leader, Centred follower, int largest_lag, Fourier& fourier) {
+Pair WithMoments(Centred leader, Centred follower) {
   GAUNTLET_ASSERT(leader.values.size() == follower.values.size());
-  const int samples = static_cast<int>(leader.values.size());
-  Pair pair{.samples = samples,
-            .size = FastTransformSize(samples + largest_lag),  // lags must not wrap around
-            .leader = leader,
-            .follower = follower,
-            .spectrum = {}};
-  pair.spectrum.resize(pair.size);
+  Pair pair{
+      .samples = static_cast<int>(leader.values.size()), .leader = leader, .follower = follower};
   for (int n = 0; n < pair.samples; ++n) {
-    const double x = pair.leader[n];
-    const double y = pair.follower[n];
-    pair.spectrum[n] = {x, y};
-    pair.leader.moments.Add(x);
-    pair.follower.moments.Add(y);
+    pair.leader.moments.Add(pair.leader[n]);
+    pair.follower.moments.Add(pair.follower[n]);
   }
-  fourier.Forward(pair.spectrum);
   return pair;
 }
 
 // The common transform is Z = X + i Y of the leader's X and the follower's Y. The spectrum of a
 // real signal has X[-k] = conj(X[k]), so that with a = Z[k] and b = Z[-k]
 //     X[k] = (a + conj(b)) / 2,  Y[k] = (a - conj(b)) / 2i.
-const std::complex<double>& Mirrored(const Pair& pair, int k) {
-  return pair.spectrum[k == 0 ? 0 : pair.size - k];
-}
+
 /// conj(X[k]) Y[k] = Im(a b) / 2 - i (|a|^2 - |b|^2) / 4.
-std::complex<double> CrossBin(const Pair& pair, int k) {
-  const std::complex<double> a = pair.spectrum[k];
-  const std::complex<double> b = Mirrored(pair, k);
+std::complex<double> CrossBin(const Values& spectrum, int k) {
+  const std::complex<double> a = spectrum[k];
+  const std::complex<double> b = spectrum[k == 0 ? 0 : std::ssize(spectrum) - k];
   return {0.5 * (a.real() * b.imag() + a.imag() * b.real()), -0.25 * (std::norm(a) - std::norm(b))};
 }
 
-/// products[lag] = sum over n of leader[n] follower[n + lag]; negative lags from the end. They take
-/// the place of the pair's spectrum: in a long trial that is large.
-std::vector<double> CrossProducts(Pair& pair, Fourier& fourier) {
-  for (int k = 0; k <= pair.size / 2; ++k) {  // its mirror image stays for it
-    pair.spectrum[k] = CrossBin(pair, k);
+/// Longest block of a range: some 9 minutes. The transform of a whole hour takes 300 MB.
+constexpr int kLongestBlock = 1 << 19;
+
+/// Samples of each block of a range. A block has to be longer than the lags, or most of its
+/// transform would be its neighbours'.
+int BlockOf(int samples, int bound) {
+  constexpr int kLeastBounds = 4;
+  const int longest = std::max(kLongestBlock, std::min(samples, kLeastBounds * bound));
+  const int blocks = (samples + longest - 1) / longest;
+  return (samples + blocks - 1) / blocks;
+}
+
+/// Sums over n of leader[n] follower[n + lag] for lags -bound .. bound, by transforms of one block
+/// of the leader at a time, with what the follower has within its lags.
+std::vector<double> CrossProducts(const Pair& pair, int bound, Fourier& fourier) {
+  std::vector<double> sums(2 * bound + 1);
+  const int block = BlockOf(pair.samples, bound);
+  // Lags must not wrap around; a block that has neighbours has lags on both sides.
+  const int size = FastTransformSize(block + (block < pair.samples ? 2 : 1) * bound);
+  Values spectrum;
+  std::vector<double> products(size);
+  for (int begin = 0; begin < pair.samples; begin += block) {
+    const int end = std::min(begin + block, pair.samples);
+    spectrum.assign(size, 0.0);
+    for (int n = begin; n < end; ++n) spectrum[n - begin].real(pair.leader[n]);
+    for (int n = std::max(0, begin - bound); n < std::min(end + bound, pair.samples); ++n) {
+      spectrum[n < begin ? size + n - begin : n - begin].imag(pair.follower[n]);
+    }
+    fourier.Forward(spectrum);
+    for (int k = 0; k <= size / 2; ++k) {  // in its place: its mirror image stays for it
+      spectrum[k] = CrossBin(spectrum, k);
+    }
+    fourier.Inverse(spectrum, products);
+    for (int lag = -bound; lag <= bound; ++lag) {
+      sums[bound + lag] += products[lag < 0 ? size + lag : lag];
+    }
   }
-  std::vector<double> products(pair.size);
-  fourier.Inverse(pair.spectrum, products);
-  return products;
+  return sums;
 }
 
 /// Overlap at one lag, of all counted ranges together.
@@ -133,10 +149,10 @@ struct AtLag {
   double product = 0.0;
 };
 
-/// Adds the sums of one range at lags -bound .. bound.
+/// Adds the sums of one range at lags -bound .. bound, of which these are the products.
 void AddOverlaps(const Pair& pair, std::span<const double> products, int bound,
                  std::vector<AtLag>& sums) {
-  GAUNTLET_ASSERT(std::ssize(products) == pair.size && std::ssize(sums) == 2 * bound + 1);
+  GAUNTLET_ASSERT(std::ssize(products) == 2 * bound + 1 && std::ssize(sums) == 2 * bound + 1);
   for (const int direction : {1, -1}) {
     Moments leader = pair.leader.moments;
     Moments follower = pair.follower.moments;
@@ -154,7 +170,7 @@ void AddOverlaps(const Pair& pair, std::span<const double> products, int bound,
       at.leader.squares += leader.squares;
       at.follower.sum += follower.sum;
       at.follower.squares += follower.squares;
-      at.product += products[direction > 0 || lag == 0 ? lag : pair.size - lag];
+      at.product += products[bound + direction * lag];
     }
   }
 }
@@ -192,14 +208,13 @@ std::vector<double> CorrelationsUpTo(int bound, std::span<const double> leader,
   Moments follower_moments;
   std::vector<AtLag> sums(2 * bound + 1);
   for (const TickRange& range : counted) {
-    Pair pair = Transform({.values = Part(leader, range), .mean = leader_mean},
-                          {.values = Part(follower, range), .mean = follower_mean}, bound, fourier);
+    const Pair pair = WithMoments({.values = Part(leader, range), .mean = leader_mean},
+                                  {.values = Part(follower, range), .mean = follower_mean});
     leader_moments.sum += pair.leader.moments.sum;
     leader_moments.squares += pair.leader.moments.squares;
     follower_moments.sum += pair.follower.moments.sum;
     follower_moments.squares += pair.follower.moments.squares;
-    const std::vector<double> products = CrossProducts(pair, fourier);
-    AddOverlaps(pair, products, bound, sums);
+    AddOverlaps(pair, CrossProducts(pair, bound, fourier), bound, sums);
   }
   const double still = kStillRms_rad * kStillRms_rad * CountOf(counted);
   if (!(leader_moments.squares > still) || !(follower_moments.squares > still)) return {};

@@ -1,6 +1,7 @@
 #include "sim/score/delay.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 
@@ -186,6 +187,33 @@ TEST(Delay, OfAMotionThatRepeatsMayBeTheEarliest) {
     value += 0.02 * (mixed - 0.5);
   }
   EXPECT_NEAR(Delay_ms(leader, follower, 0.0).value(), 0.0, 2.0);
+}
+
+// A long signal is correlated block by block, see CrossProducts().
+
+TEST(Delay, OfALongMotionIsFoundWhereBlocksMeet) {
+  // Two blocks: the one movement lies around their border. Wrong: what a block's neighbours have
+  // within the lags is left out.
+  constexpr double kDuration_s = 600.0;
+  const auto wave = [](double t) {
+    return Motion(t) * std::exp(-std::pow(t - 0.5 * kDuration_s, 2));
+  };
+  const auto leader = Sampled(kDuration_s, kRate_hz, wave);
+  for (const double delay_ms : {37.0, -20.0, 400.0}) {
+    const auto follower =
+        Sampled(kDuration_s, kRate_hz, [&](double t) { return wave(t - delay_ms / 1e3); });
+    EXPECT_NEAR(Delay_ms(leader, follower).value(), delay_ms, 0.01);
+  }
+}
+
+TEST(Delay, OfAnHourTakesLittleMemory) {
+  const auto leader = Sampled(3600.0, kRate_hz, Motion);
+  const auto follower = Sampled(3600.0, kRate_hz, [](double t) { return Motion(t - 0.037); });
+  rusage before{}, after{};
+  getrusage(RUSAGE_SELF, &before);
+  EXPECT_NEAR(Delay_ms(leader, follower).value(), 37.0, 0.01);
+  getrusage(RUSAGE_SELF, &after);
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 96 << 10);  // KiB; by one transform: 260 MB
 }
 
 TEST(Delay, DoesNotExistWhereManyLagsFitAsWell) {
