@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/few_signals_on_heap.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -29,8 +30,18 @@ namespace fs = std::filesystem;
 constexpr std::align_val_t kAlignment{64};
 
 SignalStorageLimits limits;
+std::atomic<int> wishes_for_few{0};         // objects of FewSignalsOnHeap
 std::atomic<std::size_t> bytes_on_heap{0};  // of those that count
 std::atomic<std::size_t> bytes_on_disk{0};
+
+/// Of these bytes, as many as are left where few are wanted.
+std::size_t AtMost(std::size_t bytes, std::size_t few_mb) {
+  const bool few = wishes_for_few.load(std::memory_order_relaxed) > 0;
+  return few ? std::min(bytes, few_mb << 20) : bytes;
+}
+std::size_t LongestOnHeap() { return AtMost(limits.longest_on_heap_bytes, 4); }
+std::size_t AllOnHeap() { return AtMost(limits.all_on_heap_bytes, 64); }
+std::size_t MostResident() { return AtMost(limits.resident_bytes, 96); }
 
 /// The existing mappings, and the folder for the next one.
 struct Mappings {
@@ -114,9 +125,9 @@ SignalStorage::SignalStorage(std::size_t bytes) : bytes_(bytes) {
 
 bool SignalStorage::FitsOnHeap() {
   if (bytes_ < limits.counted_from_bytes) return true;
-  if (bytes_ > limits.longest_on_heap_bytes) return false;
+  if (bytes_ > LongestOnHeap()) return false;
   counted_bytes_ = bytes_;
-  if (bytes_on_heap.fetch_add(bytes_) + bytes_ <= limits.all_on_heap_bytes) return true;
+  if (bytes_on_heap.fetch_add(bytes_) + bytes_ <= AllOnHeap()) return true;
   bytes_on_heap -= std::exchange(counted_bytes_, 0);
   return false;
 }
@@ -189,6 +200,9 @@ void SetSignalStorageLimits(const SignalStorageLimits& wanted) { limits = wanted
 
 const SignalStorageLimits& GetSignalStorageLimits() { return limits; }
 
+FewSignalsOnHeap::FewSignalsOnHeap() { ++wishes_for_few; }
+FewSignalsOnHeap::~FewSignalsOnHeap() { --wishes_for_few; }
+
 void SetSignalFolder(const fs::path& folder) {
   std::error_code ignored;
   fs::path there = fs::absolute(folder, ignored).lexically_normal();
@@ -207,9 +221,10 @@ SignalSpace FreeSignalSpace() {
 }
 
 void TrimSignals() {
+  const std::size_t most = MostResident();
   // Too few bytes to exceed the limit.
-  if (bytes_on_disk.load(std::memory_order_relaxed) <= limits.resident_bytes / 2) return;
-  if (ResidentFileBytes() <= limits.resident_bytes) return;
+  if (bytes_on_disk.load(std::memory_order_relaxed) <= most / 2) return;
+  if (ResidentFileBytes() <= most) return;
   ReleaseSignals();
 }
 

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "sim/base/error.h"
+#include "sim/base/signal_storage.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -51,13 +52,12 @@ Needs NeedsOf(const Study& study, const StudyOptions& options) {
   const double kept = glove + controllers * trace;
   const double in_file = 0.5 * kept;
   const auto ticks = static_cast<double>(LongestTicks(study));
-  // The transform of a long signal needs values, result and factors, all complex, and a few columns
-  // more.
-  constexpr double kComplexColumns = 5.0;
-  constexpr double kRest = 400e6;
+  // What the scores of one joint make and forget.
+  constexpr double kColumns = 4.0;
+  constexpr double kRest = 300e6;
   return {.disk_bytes =
               ticks * sizeof(double) * (kept + in_file + others * (glove + trace) + in_passing),
-          .memory_bytes = ticks * kComplexColumns * 2.0 * sizeof(double) + kRest};
+          .memory_bytes = ticks * kColumns * sizeof(double) + kRest};
 }
 
 /// Bytes of memory that are to be had; as many as one likes if the system does not say.
@@ -74,9 +74,10 @@ double AvailableMemory() {
 
 }  // namespace
 
-void CheckRoom(const Study& study, const StudyOptions& options) {
+std::shared_ptr<const FewSignalsOnHeap> CheckRoom(const Study& study, const StudyOptions& options) {
   const Needs needs = NeedsOf(study, options);
-  if (needs.disk_bytes < static_cast<double>(GetSignalStorageLimits().all_on_heap_bytes)) return;
+  const auto on_heap = static_cast<double>(GetSignalStorageLimits().all_on_heap_bytes);
+  if (needs.disk_bytes < on_heap) return nullptr;
   const auto fail = [&](double needed, std::string_view where, double free) {
     throw RunError(fmt::format(
         "{:.6g} s of {} need about {:.1f} GB {}, {:.1f} GB are free: a shorter "
@@ -94,11 +95,20 @@ void CheckRoom(const Study& study, const StudyOptions& options) {
   }
   const double free_memory = AvailableMemory();
   if (needs.memory_bytes > free_memory) fail(needs.memory_bytes, "of memory", free_memory);
+  // Without a hand a trial takes about as long as the way of its signals to the disk.
+  constexpr double kLongOfFilters = 8.0;
+  std::shared_ptr<const FewSignalsOnHeap> few;
+  if (options.physics || needs.disk_bytes >= kLongOfFilters * on_heap) {
+    few = std::make_shared<const FewSignalsOnHeap>();
+  }
   rlimit addresses{};
-  if (getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur == RLIM_INFINITY) return;
+  if (getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur == RLIM_INFINITY) {
+    return few;
+  }
   const auto allowed = static_cast<double>(addresses.rlim_cur);
   const double needed = needs.disk_bytes + needs.memory_bytes;
   if (needed > allowed) fail(needed, "of addresses (ulimit -v)", allowed);
+  return few;
 }
 
 }  // namespace gauntlet::sim

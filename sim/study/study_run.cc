@@ -398,11 +398,13 @@ class StudyRun {
   double trials_in_all_ = 0.0;  // twins counted
 };
 
-/// Errors: SettingError, RunError.
-void CheckOptions(const Study& study, const StudyOptions& options, bool seeds_alike) {
+/// Gives what CheckRoom() gives. Errors: SettingError, RunError.
+std::shared_ptr<const FewSignalsOnHeap> CheckOptions(const Study& study,
+                                                     const StudyOptions& options,
+                                                     bool seeds_alike) {
   if (!options.physics) RefuseLinks(study.scenario);
   if (options.seeds > 1 && !seeds_alike) RefuseOtherGloves(study, options.seeds);
-  CheckRoom(study, options);
+  return CheckRoom(study, options);
 }
 
 void RunOnAllThreads(const StudyOptions& options, StudyRun& run) {
@@ -436,10 +438,12 @@ StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
   StudyOptions options = asked;
   const Repeats repeats(study, asked.seeds);
   if (repeats.alike()) options.seeds = static_cast<int>(study.repetitions.size());
-  CheckOptions(study, options, repeats.alike());
+  std::shared_ptr<const FewSignalsOnHeap> few_on_heap =
+      CheckOptions(study, options, repeats.alike());
   StudyRun run(study, options, {0, options.seeds * std::ssize(study.scenario.controllers)});
   RunOnAllThreads(options, run);
   StudyResult result = run.Finish();
+  result.few_on_heap = std::move(few_on_heap);
   for (SeedOutcome& seed : result.seeds) {
     std::vector<Scores*> trials;
     for (TrialOutcome& trial : seed.controllers) trials.push_back(&trial.scores);
@@ -455,7 +459,7 @@ StudyResult RunStudy(const Study& study, const StudyOptions& asked) {
 void RunSomeTrials(const Study& study, const StudyOptions& asked, const WorkRange& trials) {
   StudyOptions options = asked;
   options.seeds = SeedsThatDiffer(study, asked.seeds);
-  CheckOptions(study, options, options.seeds < asked.seeds);
+  const auto few_on_heap = CheckOptions(study, options, options.seeds < asked.seeds);
   StudyRun run(study, options, trials);
   RunOnAllThreads(options, run);
 }

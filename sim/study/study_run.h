@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/few_signals_on_heap.h"
 #include "sim/study/cause_plan.h"
 #include "sim/study/elsewhere.h"
 #include "sim/study/study.h"
@@ -68,6 +69,7 @@ struct StudyOptions {
 };
 
 struct StudyResult {
+  std::shared_ptr<const FewSignalsOnHeap> few_on_heap;  // of a long study: see CheckRoom()
   std::vector<std::string> controller_names;
   std::vector<std::string> row_names;  // of the scores: see ScoreRows
   std::string reference_name;
