@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/base/few_signals_on_heap.h"
 #include "sim/recordings/glitches.h"
 #include "sim/recordings/pchip.h"
 #include "sim/recordings/table_source.h"
@@ -29,7 +31,10 @@ class RowTable {
 
   void Add(const std::vector<double>& row) {
     const Eigen::Index place = rows_++ % kBlockRows;
-    if (place == 0) blocks_.emplace_back(width_, kBlockRows);
+    if (place == 0) {
+      if (blocks_.size() == kBlocksOnHeap) few_on_heap_.emplace();
+      blocks_.emplace_back(width_, kBlockRows);
+    }
     std::ranges::copy(row, blocks_.back().col(place).begin());
     if (place == 0) TrimSignals();
   }
@@ -57,9 +62,11 @@ class RowTable {
 
  private:
   static constexpr Eigen::Index kBlockRows = 1 << 16;
+  static constexpr std::size_t kBlocksOnHeap = 2;  // some 10 MB each
   Eigen::Index width_;
   Eigen::Index rows_ = 0;
-  std::vector<Signal> blocks_;  // a column per row, so that it is in one piece
+  std::vector<Signal> blocks_;                   // a column per row, so that it is in one piece
+  std::optional<FewSignalsOnHeap> few_on_heap_;  // of a long recording
 };
 
 [[noreturn]] void FailAsTooShort(const RecordingReader& reader, const Recording& recording,

@@ -95,12 +95,11 @@ std::shared_ptr<const FewSignalsOnHeap> CheckRoom(const Study& study, const Stud
   }
   const double free_memory = AvailableMemory();
   if (needs.memory_bytes > free_memory) fail(needs.memory_bytes, "of memory", free_memory);
-  // Without a hand a trial takes about as long as the way of its signals to the disk.
-  constexpr double kLongOfFilters = 8.0;
+  // What a study writes to the disk takes a larger share of its time the shorter it is, and
+  // without a hand as long as the trials themselves.
+  const double long_from = on_heap * (options.physics ? 2.0 : 8.0);
   std::shared_ptr<const FewSignalsOnHeap> few;
-  if (options.physics || needs.disk_bytes >= kLongOfFilters * on_heap) {
-    few = std::make_shared<const FewSignalsOnHeap>();
-  }
+  if (needs.disk_bytes >= long_from) few = std::make_shared<const FewSignalsOnHeap>();
   rlimit addresses{};
   if (getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur == RLIM_INFINITY) {
     return few;

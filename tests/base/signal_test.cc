@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/few_signals_on_heap.h"
 #include "tests/support/program.h"
 #include "tests/support/signal_limits.h"
 
@@ -100,6 +101,21 @@ TEST(Signal, ShortOnesLieOnTheHeapUntilTheyAreTooMany) {
   EXPECT_FALSE(Signal(1000, 18).is_on_disk());
   many.front() = {};
   EXPECT_FALSE(Signal(12'000, 18).is_on_disk());
+}
+
+TEST(Signal, IsOnTheDiskWhereFewAreWantedOnTheHeap) {
+  const auto of_mb = [](Eigen::Index mb) { return Signal(mb << 17, 1); };
+  EXPECT_FALSE(of_mb(5).is_on_disk());
+  {
+    const FewSignalsOnHeap few;
+    EXPECT_TRUE(of_mb(5).is_on_disk());
+    std::vector<Signal> many;
+    for (int i = 0; i < 16; ++i) many.push_back(of_mb(4));
+    for (const Signal& signal : many) EXPECT_FALSE(signal.is_on_disk());
+    EXPECT_TRUE(of_mb(4).is_on_disk());  // beyond 64 MB
+    EXPECT_FALSE(Signal(100, 18).is_on_disk());
+  }
+  EXPECT_FALSE(of_mb(5).is_on_disk());
 }
 
 TEST(Signal, LeavesNoNameInItsFolder) {

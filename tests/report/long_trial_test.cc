@@ -86,6 +86,24 @@ TEST(LongTrial, KeepsTheMemoryOfItsGloveFlat) {
   EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 80 << 10);  // KiB
 }
 
+TEST(LongTrial, LeavesFewSignalsOnTheHeapAsLongAsItsResultExists) {
+  const Study study = PrepareStudy(ShortScenario(1000.0));
+  const auto run_with = [&study](std::size_t all_on_heap_mb) {
+    SignalStorageLimits limits;
+    limits.all_on_heap_bytes = all_on_heap_mb << 20;
+    const test::SignalLimits set(limits);
+    return RunStudy(study, {.seeds = 1, .jobs = 1, .progress = {}});
+  };
+  const auto five_mb_are_on_disk = [] { return Signal(5 << 17, 1).is_on_disk(); };
+  {
+    const StudyResult short_one = run_with(192);
+    EXPECT_FALSE(five_mb_are_on_disk());
+    const StudyResult long_one = run_with(1);
+    EXPECT_TRUE(five_mb_are_on_disk());
+  }
+  EXPECT_FALSE(five_mb_are_on_disk());
+}
+
 TEST(LongTrial, ThatDoesNotFitIsRefusedBeforeItStarts) {
   const Study study = PrepareStudy(ShortScenario(1000.0));
   SignalStorageLimits limits = test::AllOnDisk();
