@@ -120,6 +120,7 @@ int main(int argc, char** argv) {
   constexpr std::size_t kHeapBytes = 256 << 20;
   sim::SignalStorageLimits limits = sim::GetSignalStorageLimits();
   limits.all_on_heap_bytes = kHeapBytes;
+  limits.resident_bytes = std::size_t{96} << 20;  // with a long recording, below 200 MB in all
   sim::SetSignalStorageLimits(limits);
   mallopt(M_MMAP_THRESHOLD, static_cast<int>(limits.longest_on_heap_bytes));
   mallopt(M_TRIM_THRESHOLD, kHeapBytes);
