@@ -17,6 +17,7 @@
 #include "python/own_filters.h"
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
+#include "sim/trial/external/program.h"
 
 namespace gauntlet::python {
 namespace {
@@ -247,6 +248,7 @@ std::vector<std::string> RunInTurn(const py::object& on_progress,
     throw *std::move(raised);
   }
   if (worker.error()) std::rethrow_exception(worker.error());
+  for (const std::string& line : sim::TakeLeftProcesses()) state.Remark("warning: " + line);
   return state.TakeRemarks();
 }
 

@@ -20,6 +20,7 @@
 #include "sim/cli/interrupt.h"
 #include "sim/cli/recording_scenario.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/trial/external/program.h"
 
 namespace {
 
@@ -88,6 +89,17 @@ std::vector<char*> Words(const std::vector<sim::Command>& commands, int argc, ch
   return words;
 }
 
+/// At the end of a command, whatever its end is: a warning of each program that left processes.
+struct TellsWhoWasLeft {
+  TellsWhoWasLeft() = default;
+  TellsWhoWasLeft(const TellsWhoWasLeft&) = delete;
+  TellsWhoWasLeft& operator=(const TellsWhoWasLeft&) = delete;
+  ~TellsWhoWasLeft() {
+    for (const std::string& line : sim::TakeLeftProcesses())
+      sim::Say("gauntlet: warning: {}\n", line);
+  }
+};
+
 int Run(int argc, char** argv) {
   const std::vector<sim::Command> commands = Commands();
   if (argc > 1 && std::string_view(argv[1]) == "--complete") {  // what shells ask
@@ -100,6 +112,7 @@ int Run(int argc, char** argv) {
                            static_cast<int>(words.size()), words.data());
   int exit_code = 0;
   try {
+    const TellsWhoWasLeft tells;
     if (command != nullptr) command->run();
   } catch (const sim::ExitCode& answer) {
     exit_code = answer.value;

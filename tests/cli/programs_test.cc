@@ -27,6 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::MatchesRegex;
 using testing::Not;
 
 /// What all programs begin with; `step` has lines of Python that make `out` of `values`, the list
@@ -405,6 +406,99 @@ TEST_F(Programs, InheritNoDescriptorAndLeaveNoProcess) {
   for (pid_t process = 0; processes >> process;) {
     EXPECT_FALSE(IsRunning(process)) << process;
   }
+}
+
+/// Writes its number into the file `name`.
+constexpr const char* kOtherProcesses = R"(import os, signal, subprocess, sys, time
+def note(name):
+    with open(name + '.part', 'w') as file: file.write(str(os.getpid()))
+    os.rename(name + '.part', name)
+def stay(name):
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    note(name)
+    time.sleep(600)
+    os._exit(0)
+if not os.fork(): stay('in_group')
+if not os.fork():
+    os.setsid()
+    stay('in_session')
+if not os.fork():  # a daemon: its parent ends before it
+    os.setsid()
+    if not os.fork(): stay('daemon')
+    os._exit(0)
+while not all(map(os.path.exists, ['in_group', 'in_session', 'daemon'])): time.sleep(0.01)
+signal.signal(signal.SIGTERM, signal.SIG_IGN)
+note('own')
+)";
+
+class EndedPrograms : public Programs, public testing::WithParamInterface<int> {};
+
+TEST_P(EndedPrograms, LeaveNothingOfWhatTheyStarted) {
+  Put("f.py", kOtherProcesses + PythonFilter("    if n == 20: note('waits'); time.sleep(600)"));
+  PutScenario("  mine: {filter: {kind: external, command: python3 f.py, timeout_ms: 300000}}\n");
+  Program gauntlet({GAUNTLET_PROGRAM, "compare", "s.yaml", "--seeds", "2", "--allow-programs"},
+                   {.working_directory = folder_.path(), .timeout = std::chrono::seconds(60)});
+  ASSERT_TRUE(gauntlet.WaitForPath(In("waits")));
+  gauntlet.SendSignal(GetParam());
+  const ProgramResult& result = gauntlet.Wait();
+  if (GetParam() == SIGKILL) {
+    EXPECT_EQ(result.signal, SIGKILL);
+  } else {
+    EXPECT_EQ(result.exit_code, 128 + GetParam()) << result.standard_error;
+    EXPECT_THAT(result.standard_error, HasSubstr("interrupted; nothing half-written was left"));
+  }
+  for (const char* name : {"own", "in_group", "in_session", "daemon"}) {
+    EXPECT_FALSE(IsRunning(std::stoi(ReadFile(In(name))))) << name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, EndedPrograms, testing::Values(SIGINT, SIGTERM, SIGHUP, SIGKILL),
+                         [](const auto& signal) {
+                           return std::string("BySignal") + std::to_string(signal.param);
+                         });
+
+TEST_F(Programs, WhoseProcessesLeftTheirGroupAreNamedOnce) {
+  Put("f.py", kOtherProcesses + PythonFilter(kIdentity));
+  PutScenario("  mine: {filter: {kind: external, command: python3 f.py}}\n", 0.2);
+  const ProgramResult result =
+      Gauntlet({"compare", "s.yaml", "--seeds", "2", "--causes", "none", "--allow-programs"});
+  EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+  const std::string warning =
+      "gauntlet: warning: python3 f.py started processes that left its process group (python3); "
+      "they were ended with it\n";
+  EXPECT_THAT(result.standard_error, HasSubstr(warning));
+  EXPECT_EQ(result.standard_error.find("warning"), result.standard_error.rfind("warning"));
+  for (const char* name : {"own", "in_group", "in_session", "daemon"}) {
+    EXPECT_FALSE(IsRunning(std::stoi(ReadFile(In(name))))) << name;
+  }
+}
+
+// It ends by itself when its input is closed.
+TEST_F(Programs, MayLeaveTheirGroupThemselves) {
+  Put("f.py", PythonFilter(kIdentity) + "open('ended', 'w').close()\n");
+  PutScenario(
+      "  none: {filter: none}\n"
+      "  mine: {filter: {kind: external, command: setsid python3 f.py}}\n");
+  const ProgramResult result = Gauntlet({"run", "s.yaml", "--allow-programs", "--causes", "none"});
+  EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_THAT(result.standard_error, Not(HasSubstr("warning")));
+  EXPECT_TRUE(fs::exists(In("ended")));
+  EXPECT_EQ(Scores("out/s", 1), Scores("out/s", 0));
+}
+
+TEST_F(Programs, HearEverySignalByDefault) {
+  Put("f.sh",
+      "grep -E '^Sig(Blk|Ign)' /proc/self/status > signals\n"
+      "read header; while read -r line; do echo \"$line\"; done\n");
+  PutScenario("  mine: {filter: {kind: external, command: sh f.sh}}\n", 0.1);
+  // As below nohup.
+  const ProgramResult result = RunProgram(
+      {"sh", "-c", "trap '' HUP INT; exec \"$0\" run s.yaml --allow-programs", GAUNTLET_PROGRAM},
+      {.working_directory = folder_.path(), .timeout = std::chrono::seconds(120)});
+  EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+  // Two of the C library's own are what the test's posix_spawn() left.
+  EXPECT_THAT(ReadFile(In("signals")),
+              MatchesRegex("SigBlk:\t0000000000000000\nSigIgn:\t0000000[01][08]0000000\n"));
 }
 
 TEST_F(Programs, EndWithCtrlC) {

@@ -26,6 +26,7 @@
 #include "sim/trial/external/program.h"
 #include "sim/trial/external/program_stepper.h"
 #include "sim/trial/external/stepper.h"
+#include "sim/trial/external/supervised_process.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -198,6 +199,7 @@ void NameRun(const std::string& name) {
 void AllowPrograms(bool allowed) {
   programs_allowed = allowed;
   ++consents;
+  if (!allowed) ForgetSurroundings();
 }
 
 void NameConsent(const char* option) { consent_option = option; }

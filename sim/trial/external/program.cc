@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -9,8 +10,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <csignal>
 #include <cstring>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -29,7 +33,15 @@ constexpr std::size_t kLongestTail = 4096;              // of standard error
 constexpr auto kLook = std::chrono::milliseconds(100);  // between two looks at the stop signal
 constexpr auto kFarewell = std::chrono::milliseconds(200);
 constexpr const char* kWithoutSample = "answered more than it was asked";
-constexpr int kCannotStart = 127;  // an exit code of shells
+
+/// Names of the processes that left the group of a program.
+struct LeftNames {
+  std::set<std::string> ended;
+  std::set<std::string> running;
+};
+
+std::mutex left_mutex;
+std::map<std::string, LeftNames> left_of;  // by the words of the program
 
 std::string SystemReason() { return std::strerror(errno); }
 
@@ -49,18 +61,6 @@ void DoNotBlock(int descriptor) {
 
 }  // namespace
 
-void Program::End::Set(int descriptor) {
-  Close();
-  descriptor_ = descriptor;
-}
-
-int Program::End::Release() { return std::exchange(descriptor_, -1); }
-
-void Program::End::Close() {
-  if (descriptor_ >= 0) close(descriptor_);
-  descriptor_ = -1;
-}
-
 struct Program::Pipe {
   Pipe() {
     std::array<int, 2> ends = {-1, -1};
@@ -73,35 +73,18 @@ struct Program::Pipe {
       throw RunError(fmt::format("cannot be started: {}", SystemReason()));
     }
   }
-  End read;
-  End write;
+  Descriptor read;
+  Descriptor write;
 };
 
-Program::Program(const ProgramCommand& command) {
-  // All that the child needs is made before it: behind a fork of one thread of several, it may
-  // neither allocate nor take a lock.
+Program::Program(const ProgramCommand& command)
+    : name_(fmt::format("{}", fmt::join(command.words, " "))) {
   Pipe to_child;
   Pipe from_child;
   Pipe errors;
-  std::vector<char*> words;
-  for (const std::string& word : command.words) words.push_back(const_cast<char*>(word.c_str()));
-  words.push_back(nullptr);
-  const auto become_program = [&] {
-    setpgid(0, 0);
-    std::signal(SIGPIPE, SIG_DFL);
-    std::signal(SIGXFSZ, SIG_DFL);
-    const bool has_streams = dup2(to_child.read.get(), STDIN_FILENO) >= 0 &&
-                             dup2(from_child.write.get(), STDOUT_FILENO) >= 0 &&
-                             dup2(errors.write.get(), STDERR_FILENO) >= 0;
-    const bool is_there = has_streams && chdir(command.folder.c_str()) == 0;
-    close_range(STDERR_FILENO + 1, ~0U, 0);
-    if (is_there) execv(command.program.c_str(), words.data());
-    const char* const reason = strerrordesc_np(errno);
-    if (write(STDERR_FILENO, reason, std::strlen(reason)) < 0) _exit(kCannotStart);
-    _exit(kCannotStart);
-  };
   try {
-    child_ = std::make_unique<ChildProcess>(become_program);
+    process_ = std::make_unique<SupervisedProcess>(
+        command, std::array{to_child.read.get(), from_child.write.get(), errors.write.get()});
   } catch (const std::system_error& error) {
     throw RunError(fmt::format("cannot be started: {}", error.code().message()));
   }
@@ -126,8 +109,12 @@ Program::~Program() {
 }
 
 void Program::KillAll() {
-  if (child_->id() > 0) kill(-child_->id(), SIGKILL);  // the group that it leads
-  child_->Kill();
+  const LeftGroup left = process_->Kill();
+  if (left.ended.empty() && left.running.empty()) return;
+  const std::lock_guard lock(left_mutex);
+  auto& [ended, running] = left_of[name_];
+  ended.insert(left.ended.begin(), left.ended.end());
+  running.insert(left.running.begin(), left.running.end());
 }
 
 void Program::Tell(std::string_view text, Duration limit) {
@@ -216,14 +203,13 @@ void Program::FailAtEnd() {
   // Its last words may still be on their way; it may also have closed its streams and go on.
   constexpr int kMoment_ms = 5;
   const auto deadline = Clock::now() + kFarewell;
-  bool has_ended = false;
-  while (!has_ended && Clock::now() < deadline) {
-    has_ended = child_->HasEnded();
+  std::optional<ChildEnd> end;
+  while (!end && Clock::now() < deadline) {
+    end = process_->End();
     pollfd errors = {.fd = errors_.get(), .events = POLLIN, .revents = 0};
-    if (poll(&errors, 1, has_ended ? 0 : kMoment_ms) > 0) ReadErrors();
+    if (poll(&errors, 1, end ? 0 : kMoment_ms) > 0) ReadErrors();
   }
   KillAll();
-  const std::optional<ChildEnd> end = has_ended ? child_->Wait() : std::nullopt;
   if (!end) throw RunError("closed its input or output" + LastWords());
   throw RunError(TextOf(*end) + LastWords());
 }
@@ -234,6 +220,24 @@ std::string Program::LastWords() {
   while (!text.empty() && is_line_end(text.back())) text.remove_suffix(1);
   text.remove_prefix(std::min(text.find_last_of('\n') + 1, text.size()));
   return text.empty() ? "" : ": " + Shown(text);
+}
+
+std::vector<std::string> TakeLeftProcesses() {
+  const std::lock_guard lock(left_mutex);
+  std::vector<std::string> sentences;
+  for (const auto& [program, left] : left_of) {
+    std::string sentence = fmt::format("{} started processes that left its process group", program);
+    if (!left.ended.empty()) {
+      sentence += fmt::format(" ({}); they were ended with it", fmt::join(left.ended, ", "));
+    }
+    if (!left.running.empty()) {
+      sentence += fmt::format("{} {}, which still run, could not be ended",
+                              left.ended.empty() ? ";" : ", but", fmt::join(left.running, ", "));
+    }
+    sentences.push_back(std::move(sentence));
+  }
+  left_of.clear();
+  return sentences;
 }
 
 }  // namespace gauntlet::sim

@@ -4,15 +4,15 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "sim/base/child_process.h"
 #include "sim/trial/external/command_words.h"
+#include "sim/trial/external/supervised_process.h"
 
 namespace gauntlet::sim {
 
-/// A program that answers a line with a line. It gets no descriptor but its three streams and a
-/// process group of its own, ignores the signals that ask the program to stop, and ends with this
-/// object or with the thread that made it, whichever is first.
+/// A program that answers a line with a line. It ends with this object, and so does all that it has
+/// started (see SupervisedProcess).
 ///
 /// Neither waits without a limit: both directions and the errors are read and written together, so
 /// a program that writes much or reads nothing cannot block the trial.
@@ -36,21 +36,6 @@ class Program {
   std::string_view Ask(std::string_view line, Duration limit);
 
  private:
-  /// One end of a pipe. Closes it.
-  class End {
-   public:
-    explicit End(int descriptor = -1) : descriptor_(descriptor) {}
-    ~End() { Close(); }
-    End(const End&) = delete;
-    End& operator=(const End&) = delete;
-    int get() const { return descriptor_; }
-    void Set(int descriptor);
-    int Release();
-    void Close();
-
-   private:
-    int descriptor_;
-  };
   struct Pipe;
 
   /// Waits for whatever comes first, at most until `deadline`; takes what there is.
@@ -65,14 +50,19 @@ class Program {
   /// ": " and the last line that it wrote to standard error, if there is one.
   std::string LastWords();
 
-  End input_;  // of the program
-  End output_;
-  End errors_;
-  std::unique_ptr<ChildProcess> child_;
+  std::string name_;  // its words
+  Descriptor input_;  // of the program
+  Descriptor output_;
+  Descriptor errors_;
+  std::unique_ptr<SupervisedProcess> process_;
   std::string unsent_;
   std::string received_;
   std::string answer_;
   std::string errors_tail_;
 };
+
+/// A sentence for each program that left processes behind outside its group since the last call:
+/// "python3 f.py started processes that left its process group (sleep); they were ended with it".
+std::vector<std::string> TakeLeftProcesses();
 
 }  // namespace gauntlet::sim
