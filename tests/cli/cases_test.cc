@@ -3,16 +3,23 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
+#include <random>
 #include <set>
 #include <span>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "tests/support/long_test.h"
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::test {
@@ -179,6 +186,134 @@ class Case : public testing::Test {
   TemporaryDirectory temporary_;
   fs::path folder_ = temporary_.path() / "folder";
 };
+
+/// Runs the steps of cases with a program of which one call on a file of theirs fails.
+class DisturbedCase {
+ public:
+  /// What one script did.
+  struct Outcome {
+    Lines ends;  // of each call of the program: "EXIT CODE, LAST LINE OF STANDARD ERROR"
+    ProgramResult result;
+    long calls = 0;  // most of a call of the program
+  };
+
+  explicit DisturbedCase(const fs::path& file) : steps_(ReadSteps(file)) {
+    fs::create_directories(Place("bin"));
+    // The shell and its tools are not disturbed.
+    std::ofstream(Place("bin/gauntlet"))
+        << "#!/bin/bash\n"
+           "LD_PRELOAD=$FAILING_CALLS " GAUNTLET_PROGRAM
+           " \"$@\" 2> >(tee \"$ENDS.$$\" >&2)\n"
+           "code=$?\n"
+           "wait $!\n"
+           "echo \"$code, $(tail -n 1 \"$ENDS.$$\")\" >> \"$ENDS\"\n"
+           "exit $code\n";
+    fs::permissions(Place("bin/gauntlet"), fs::perms::owner_all);
+  }
+
+  std::size_t steps() const { return steps_.size(); }
+  const Step& step(std::size_t index) const { return steps_[index]; }
+
+  /// Runs all steps, in a new folder, of which one with its `call` failing; none for 0.
+  Outcome Run(std::size_t disturbed, long call, int error) {
+    fs::remove_all(Place("folder"));
+    fs::create_directories(Place("folder"));
+    for (std::size_t i = 0; i < disturbed; ++i) RunStep(steps_[i], 0, 0);
+    return RunStep(steps_[disturbed], call, error);
+  }
+
+ private:
+  fs::path Place(const char* name) const { return temporary_.path() / name; }
+
+  Outcome RunStep(const Step& step, long call, int error) {
+    fs::remove(Place("log"));
+    fs::remove(Place("ends"));
+    Outcome outcome;
+    outcome.result = RunProgram({"/bin/bash", "-c", step.script},
+                                {.environment = {{"PATH", Place("bin").string() + ":/usr/bin:/bin"},
+                                                 {"LC_ALL", "C.UTF-8"},
+                                                 {"SOURCE", SourceDir()},
+                                                 {"FAILING_CALLS", GAUNTLET_FAILING_CALLS},
+                                                 {"ENDS", Place("ends").string()},
+                                                 {"ASAN_OPTIONS", "verify_asan_link_order=0"},
+                                                 {"GAUNTLET_FAIL_BELOW", Place("folder").string()},
+                                                 {"GAUNTLET_FAIL_LOG", Place("log").string()},
+                                                 {"GAUNTLET_FAIL_CALL", std::to_string(call)},
+                                                 {"GAUNTLET_FAIL_ERROR", std::to_string(error)}},
+                                 .working_directory = Place("folder"),
+                                 .timeout = std::chrono::minutes(2)});
+    outcome.ends = LinesOf(ReadFile(Place("ends")));
+    for (const std::string& line : LinesOf(ReadFile(Place("log")))) {
+      if (line.starts_with("calls ")) {
+        outcome.calls = std::max(outcome.calls, std::stol(line.substr(6)));
+      }
+    }
+    return outcome;
+  }
+
+  std::vector<Step> steps_;
+  TemporaryDirectory temporary_;
+};
+
+/// A clear end of each call of the program; without one line more, the answer of the case.
+void ExpectClearEnd(const Step& step, const DisturbedCase::Outcome& undisturbed,
+                    const DisturbedCase::Outcome& outcome) {
+  EXPECT_FALSE(outcome.result.timed_out);
+  for (std::size_t i = 0; i < outcome.ends.size(); ++i) {
+    const std::string& end = outcome.ends[i];
+    EXPECT_LE(std::stoi(end), 2) << end;
+    if (i < undisturbed.ends.size() && std::stoi(end) != std::stoi(undisturbed.ends[i])) {
+      EXPECT_NE(end.find(", gauntlet: "), std::string::npos) << end;
+    }
+  }
+  if (outcome.ends == undisturbed.ends &&
+      outcome.result.standard_error == undisturbed.result.standard_error) {
+    EXPECT_TRUE(Matches(step.output, LinesOf(outcome.result.standard_output)))
+        << outcome.result.standard_output;
+  }
+}
+
+// A tenth of the cases, another one each time; GAUNTLET_TEST_SEED repeats it.
+TEST(DisturbedCases, EndClearlyWhateverCallFails) {
+  GAUNTLET_LONG_TEST();
+  constexpr auto kMostTime = std::chrono::seconds(30);  // then no further call is tried
+  constexpr std::size_t kShare = 10;
+  const char* const given = std::getenv("GAUNTLET_TEST_SEED");
+  const auto seed =
+      given != nullptr ? static_cast<unsigned>(std::stoul(given)) : std::random_device()();
+  std::cout << "GAUNTLET_TEST_SEED=" << seed << "\n";
+  std::mt19937 random(seed);
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(SourceDir() + "/tests/cli/cases")) {
+    if (!entry.is_directory()) files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  std::ranges::shuffle(files, random);
+  files.resize((files.size() + kShare - 1) / kShare);
+  const auto begin = std::chrono::steady_clock::now();
+  int tried = 0;
+  for (std::size_t f = 0; f < files.size(); ++f) {
+    DisturbedCase disturbed(files[f]);
+    const auto until = begin + kMostTime * (f + 1) / files.size();
+    do {
+      const std::size_t step = random() % disturbed.steps();
+      const DisturbedCase::Outcome undisturbed = disturbed.Run(step, 0, 0);
+      if (undisturbed.calls == 0) continue;
+      for (int repeat = 0; repeat < 4; ++repeat) {
+        const long call =
+            1 + static_cast<long>(random() % static_cast<unsigned long>(undisturbed.calls));
+        const int error = random() % 2 == 0 ? EIO : ENOSPC;
+        const DisturbedCase::Outcome outcome = disturbed.Run(step, call, error);
+        SCOPED_TRACE(files[f].filename().string() + ":" +
+                     std::to_string(disturbed.step(step).line) + ", call " + std::to_string(call) +
+                     ": " + std::strerror(error) + "\n" + outcome.result.standard_error);
+        ExpectClearEnd(disturbed.step(step), undisturbed, outcome);
+        ++tried;
+      }
+    } while (std::chrono::steady_clock::now() < until);
+  }
+  std::cout << tried << " failing calls in " << files.size() << " cases\n";
+}
 
 const bool kAreRegistered = [] {
   for (const auto& entry : fs::recursive_directory_iterator(SourceDir() + "/tests/cli/cases")) {

@@ -60,6 +60,13 @@ TEST(OscPacket, HasAllTypesOfNumbers) {
   EXPECT_TRUE(std::isnan(numbers[6]));
 }
 
+TEST(OscPacket, MayLeaveOutTheTypesOfNoArguments) {
+  const auto packet = ReadOscPacket({"/a\0\0", 4});
+  ASSERT_TRUE(packet);
+  EXPECT_EQ(packet->messages.at(0).address, "/a");
+  EXPECT_THAT(packet->messages[0].numbers, IsEmpty());
+}
+
 /// 2^31 of 2^32 parts of a second after 1970 began, which is 2208988800 s after 1900 did.
 TEST(OscPacket, HasTheTimeOfItsBundle) {
   const auto packet = ReadOscPacket({"#bundle\0\x83\xaa\x7e\x81\x80\0\0\0", 16});
@@ -79,6 +86,16 @@ TEST(OscFrames, OfAnAddressAreItsMessages) {
   EXPECT_THAT(made.decoder->columns().names, ElementsAre("right_1", "right_2"));
   EXPECT_EQ(made.decoder->counts().garbage, 1u);
   EXPECT_EQ(made.frames[0].arrival_ns, 20'000'000);
+}
+
+TEST(OscFrames, HaveAtMost1024Columns) {
+  for (const std::size_t columns : {1024, 1025}) {
+    Decoded made = Osc("/flex");
+    for (int i = 0; i < 5; ++i) {
+      made.Packet(OscMessageBytes("/flex", std::vector<double>(columns, 1.0)));
+    }
+    EXPECT_EQ(made.frames.size(), columns == 1024 ? 5u : 0u);
+  }
 }
 
 TEST(OscFrames, OfABundleAreItsMessages) {

@@ -33,6 +33,11 @@ TEST(TextFrames, OfCsvAreRowsBelowNames) {
   EXPECT_EQ(made.decoder->counts().garbage + made.decoder->counts().half_frames, 0u);
 }
 
+TEST(TextFrames, MayEndWithASeparator) {
+  EXPECT_EQ(Stream().Decode("flex1,flex2,\n1,2,\n3,4,\n").Values(), (Rows{{1, 2}, {3, 4}}));
+  EXPECT_EQ(Stream().Decode("flex1,\n512,\n513,\n").Values(), (Rows{{512}, {513}}));
+}
+
 /// The same bytes give the same frames in any pieces.
 TEST(TextFrames, DoNotDependOnThePiecesOfTheStream) {
   const std::string text = "a,b\r\n1,2\r\n\r\n# note\r\n3,4\r\n5,x\r\n6,7\r\n";

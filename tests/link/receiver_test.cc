@@ -218,6 +218,22 @@ TEST(Receiver, BufferKeepsTheNewestOfABurst) {
   }
 }
 
+TEST(Receiver, AFullBufferDropsItsOldestFrameAlone) {
+  Receiver receiver({.settings = BufferReceiver{.delay_ms = 3.0}}, 1, 1.0, kTicks);
+  // Five have a place; the least transit is that of the last.
+  std::int64_t number = 0;
+  for (const double stamp : {0.0, 1.0, 1.2, 1.4, 1.6, 2.0}) {
+    receiver.Accept(
+        2, {.number = number++, .origin_tick = 0, .stamp_ticks = stamp, .values = {&stamp, 1}});
+  }
+  EXPECT_EQ(receiver.waiting_frames(), 5U);
+  EXPECT_EQ(receiver.Step(3), Found::kNothing);  // that of 0 is gone
+  EXPECT_EQ(receiver.Step(4), Found::kNew);
+  EXPECT_EQ(receiver.values()[0], 1.0);
+  EXPECT_EQ(receiver.Step(5), Found::kNew);
+  EXPECT_EQ(receiver.values()[0], 2.0);
+}
+
 TEST(Receiver, BufferKeepsARepeatedFrameOnce) {
   Receiver receiver({.settings = BufferReceiver{.delay_ms = 5.0}}, 1, 1.0, kTicks);
   for (std::int64_t tick = 0; tick < 100; ++tick) {
@@ -244,6 +260,35 @@ TEST(Receiver, AdaptiveBufferIsAsLongAsTheQuantileOfTheRelativeDelays) {
   const Used used =
       UsedBehind(link, {.settings = AdaptiveBufferReceiver{.quantile_percent = 90.0}}, 60'000);
   EXPECT_NEAR(used.buffer_ticks, 89.0, 3.0);
+}
+
+TEST(Receiver, AdaptiveBufferIsNoLongerThanTheDelayItWaitsFor) {
+  Receiver receiver({.settings = AdaptiveBufferReceiver{.quantile_percent = 95.0}}, 1, 10.0,
+                    kTicks);
+  for (std::int64_t number = 0; number < 200; ++number) {
+    const std::int64_t sent = 10 * number;
+    const std::int64_t arrival = sent + (number % 2 == 0 ? 0 : 3);
+    receiver.Accept(arrival, *Frame(number, sent));
+    receiver.Step(arrival);
+  }
+  EXPECT_EQ(receiver.buffer_ticks(), 3.0);
+}
+
+// The line through 100, 0, 0, 0, 0 falls by 20 in each step.
+TEST(Receiver, SlopeIsThatOfAllFramesOfItsTime) {
+  ReceiverConfig config;
+  config.gap.settings = PredictGap{.slope_ms = 4.0, .longest_ms = 1.0};
+  Receiver receiver(config, 1, 1.0, kTicks);
+  for (std::int64_t tick = 0; tick < 5; ++tick) {
+    const double value = tick == 0 ? 100.0 : 0.0;
+    receiver.Accept(tick, {.number = tick,
+                           .origin_tick = tick,
+                           .stamp_ticks = static_cast<double>(tick),
+                           .values = {&value, 1}});
+    receiver.Step(tick);
+  }
+  EXPECT_EQ(receiver.Step(5), Found::kPredicted);
+  EXPECT_NEAR(receiver.values()[0], -20.0, 1e-9);
 }
 
 TEST(Receiver, PredictionOfALineIsExactUntilItsLongestTime) {

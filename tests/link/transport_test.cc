@@ -182,6 +182,62 @@ TEST(Transport, DelayGrowsInAQueueBeforeASlowLinkAndNotWithTheNewestAlone) {
   EXPECT_LE(DelaysOf(newest).back(), 8.0);
 }
 
+// Of 1000 frames each 5 ms, every 8 ms one is sent on.
+TEST(Transport, WhatIsLostBeforeASlowLinkIsCountedAndMakesRoom) {
+  TransportConfig config;
+  config.frame_ms = 8.0;
+  for (const std::size_t waiting_frames : {1, 2, 3}) {
+    Transport transport(
+        config,
+        {.name = "test", .values = 1, .period_ticks = 5.0, .waiting_frames = waiting_frames},
+        kTiming, 1);
+    std::vector<Arrival> arrivals;
+    for (std::int64_t tick = 0; tick < 5000; ++tick) {
+      const auto value = static_cast<double>(tick);
+      if (tick % 5 == 0) transport.Send(tick, tick, {&value, 1});
+      transport.Deliver(tick, [&](const LinkFrame& frame) {
+        arrivals.push_back({frame.number, frame.origin_tick, tick});
+      });
+    }
+    EXPECT_NEAR(static_cast<double>(arrivals.size()), 5000.0 / 8.0, 2.0) << waiting_frames;
+    const auto waiting =
+        1000 - static_cast<std::int64_t>(arrivals.size()) - transport.lost_frames();
+    EXPECT_GE(waiting, 0) << waiting_frames;
+    EXPECT_LE(waiting, static_cast<std::int64_t>(waiting_frames) + 1) << waiting_frames;
+    // One place holds the newest; a queue keeps those that came first.
+    const Arrival& last = arrivals.back();
+    const auto age = last.arrival_tick - last.sent_tick;
+    const auto most = static_cast<std::int64_t>(waiting_frames);
+    EXPECT_LE(age, most == 1 ? 8 : 8 * (most + 1));
+    EXPECT_GE(age, 8 * (most - 1));
+  }
+}
+
+TEST(Transport, AKnownLinkHasTheBatchesAndTheDelayOfItsSummary) {
+  const LinkPreset& bluetooth = LinkPresets()[2];
+  ASSERT_EQ(bluetooth.name, "bluetooth");
+  EXPECT_EQ(bluetooth.transport.batch_ms, 45.0);
+  EXPECT_EQ(LinkPresets()[1].transport.batch_ms, 16.0);
+  EXPECT_TRUE(bluetooth.transport.has_jitter());
+  const TransportConfig steady = bluetooth.transport.WithoutJitter();
+  EXPECT_FALSE(steady.has_jitter());
+  EXPECT_EQ(steady.delay.MeanMs(), 1.0 + 0.5 * 45.0);
+  EXPECT_EQ(steady.batch_ms, 0.0);
+}
+
+TEST(Delay, MeanOfAHistogramCountsAllBuckets) {
+  DelayConfig config{HistogramDelay{.bucket_ms = 10.0, .counts = {1.0, 3.0}}};
+  EXPECT_DOUBLE_EQ(config.MeanMs(), (5.0 + 3.0 * 15.0) / 4.0);
+}
+
+TEST(Delay, HistogramMayReachTheLongestDelayAndNoFurther) {
+  DelayConfig config{
+      HistogramDelay{.bucket_ms = kLongestDelayMs / 10.0, .counts = std::vector<double>(10, 1.0)}};
+  EXPECT_NO_THROW(config.Check());
+  std::get<HistogramDelay>(config.settings).counts.push_back(1.0);
+  EXPECT_THROW(config.Check(), controller::SettingError);
+}
+
 TEST(Transport, EverySeedHasAnotherLinkAndTheSameSeedTheSame) {
   const TransportConfig& config = LinkPresets()[3].transport;
   ASSERT_EQ(LinkPresets()[3].name, "wifi");

@@ -136,6 +136,26 @@ TEST(Watchdog, CommandsAtRareFramesMoveForTheTimeBetweenThem) {
               5000.0 - 221.0 * kMostPerTick, 1.0);
 }
 
+TEST(Watchdog, HoldAndOffKeepTheCommandWhateverIsWanted) {
+  Watchdog watchdog = Tiers();
+  watchdog.Reset(std::vector<std::int32_t>{600, 600});
+  watchdog.Watch(true);
+  std::vector<std::int32_t> at_rest;
+  for (int tick = 1; tick < 2000; ++tick) {
+    watchdog.Watch(false);
+    const auto command =
+        watchdog.Command(std::vector<std::int32_t>{tick < 50 ? 600 : 2000, tick < 50 ? 3000 : 0});
+    if (tick < 50 || watchdog.tier() == Tier::kRelax) at_rest = {command.begin(), command.end()};
+    ASSERT_THAT(command, testing::ElementsAreArray(at_rest)) << tick;
+  }
+  EXPECT_EQ(watchdog.tier(), Tier::kOff);
+}
+
+TEST(Watchdog, SettingsBeyondTheirRangeAreRefused) {
+  EXPECT_THROW(Watchdog({TieredWatchdog{.relax_deg_s = 0.0}}, test::TwoMotors(), kTickOf1Ms),
+               controller::SettingError);
+}
+
 TEST(Watchdog, TiersThatAreNotInOrderAreRefused) {
   WatchdogConfig config{TieredWatchdog{.hold_after_ms = 300.0}};
   try {

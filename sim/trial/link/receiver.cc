@@ -168,14 +168,13 @@ void Receiver::Keep(const LinkFrame& frame) noexcept {
   // Copies would push out frames that are not due yet.
   if (after != waiting_.begin() && pool_.At(*(after - 1)).number == frame.number) return;
   waiting_.insert(after, pool_.Keep(frame));
-  if (waiting_.size() > most_waiting_) Drop(0, 1);
+  if (waiting_.size() > most_waiting_) DropFirst(1);
 }
 
-void Receiver::Drop(std::size_t first, std::size_t count) noexcept {
-  const auto begin = waiting_.begin() + static_cast<std::ptrdiff_t>(first);
-  const auto end = begin + static_cast<std::ptrdiff_t>(count);
-  for (auto place = begin; place != end; ++place) pool_.Release(*place);
-  waiting_.erase(begin, end);
+void Receiver::DropFirst(std::size_t count) noexcept {
+  const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(count);
+  for (auto place = waiting_.begin(); place != end; ++place) pool_.Release(*place);
+  waiting_.erase(waiting_.begin(), end);
 }
 
 /// Uses the frame whose time has come; false if there is none.
@@ -184,7 +183,7 @@ bool Receiver::UseDue(std::int64_t tick) noexcept {
   if (is_queue()) {
     if (waiting_.empty() || next_use_tick_ > now) return false;
     Use(tick, waiting_.front());
-    Drop(0, 1);
+    DropFirst(1);
     if (next_use_tick_ <= now - period_ticks_) next_use_tick_ = static_cast<double>(tick);
     next_use_tick_ += period_ticks_;
     return true;
@@ -198,7 +197,7 @@ bool Receiver::UseDue(std::int64_t tick) noexcept {
   }
   if (due == 0) return false;
   Use(tick, waiting_[due - 1]);
-  Drop(0, due);
+  DropFirst(due);
   return true;
 }
 

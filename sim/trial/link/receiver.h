@@ -59,7 +59,7 @@ class Receiver {
   void AdaptBuffer(double relative_ticks) noexcept;
   void Remember(const LinkFrame& frame) noexcept;
   void Keep(const LinkFrame& frame) noexcept;
-  void Drop(std::size_t first, std::size_t count) noexcept;
+  void DropFirst(std::size_t count) noexcept;
   bool UseDue(std::int64_t tick) noexcept;
   void Use(std::int64_t tick, int place) noexcept;
   double OverdueTicks(std::int64_t tick) const noexcept;

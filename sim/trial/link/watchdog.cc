@@ -32,7 +32,6 @@ Watchdog::Watchdog(const WatchdogConfig& config, const controller::TendonTransmi
 void Watchdog::Reset(std::span<const std::int32_t> motor_counts) {
   tier_ = Tier::kFollow;
   has_frame_ = is_returning_ = false;
-  good_ = 0;
   silent_ticks_ = ticks_to_go_ = return_ticks_ = 0;
   if (!exists_) return;
   GAUNTLET_ASSERT(motor_counts.size() == place_counts_.size());
