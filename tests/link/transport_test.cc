@@ -218,6 +218,7 @@ TEST(Transport, AKnownLinkHasTheBatchesAndTheDelayOfItsSummary) {
   ASSERT_EQ(bluetooth.name, "bluetooth");
   EXPECT_EQ(bluetooth.transport.batch_ms, 45.0);
   EXPECT_EQ(LinkPresets()[1].transport.batch_ms, 16.0);
+  EXPECT_EQ(LinkPresets()[5].transport.batch_ms, 1.0);  // EtherCAT
   EXPECT_TRUE(bluetooth.transport.has_jitter());
   const TransportConfig steady = bluetooth.transport.WithoutJitter();
   EXPECT_FALSE(steady.has_jitter());

@@ -51,8 +51,8 @@ class SupervisedProcess {
 
   /// How the program itself has ended; none while it runs.
   std::optional<ChildEnd> End();
-  /// Kills it and all that it has started. Those that left its group have a moment to see that their
-  /// input is closed. A second call does nothing.
+  /// Kills it and all that it has started. Those that left its group have a moment to see that
+  /// their input is closed. A second call does nothing.
   LeftGroup Kill();
 
  private:
