@@ -1,6 +1,5 @@
 #include "sim/base/child_process.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -67,18 +66,6 @@ std::optional<ChildEnd> ChildProcess::Wait() {
 std::string TextOf(const ChildEnd& end) {
   if (end.signal == 0) return fmt::format("ended with exit code {}", end.exit_code);
   return fmt::format("ended by signal {} ({})", end.signal, sigdescr_np(end.signal));
-}
-
-int CloseAllBut(int descriptor) {
-  constexpr int kKept = 3;
-  if (descriptor != kKept) dup2(descriptor, kKept);
-  close_range(kKept + 1, ~0U, 0);
-  const int nowhere = open("/dev/null", O_RDWR);
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    nowhere < 0 ? close(stream) : dup2(nowhere, stream);
-  }
-  if (nowhere > kKept) close(nowhere);
-  return kKept;
 }
 
 }  // namespace gauntlet::sim

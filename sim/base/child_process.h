@@ -46,8 +46,4 @@ class ChildProcess {
 /// "ended by signal 11 (Segmentation fault)" or "ended with exit code 3".
 std::string TextOf(const ChildEnd& end);
 
-/// For a child: redirects the standard streams to /dev/null and closes every other descriptor but
-/// this one. Returns its new number.
-int CloseAllBut(int descriptor);
-
 }  // namespace gauntlet::sim

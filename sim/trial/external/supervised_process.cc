@@ -24,6 +24,8 @@
 #include <system_error>
 #include <utility>
 
+#include "sim/base/process_limits.h"
+
 // Gauntlet -> starter: the streams of a program, and a line to its future supervisor.
 // Gauntlet -> supervisor: folder, program and words, then nothing until the line is closed.
 // Supervisor -> Gauntlet: Messages.
@@ -279,7 +281,8 @@ void EndAll(int line, int signals, pid_t program) {
 [[noreturn]] void StartWhatIsAsked(int socket) {
   prctl(PR_SET_PDEATHSIG, 0);  // not with the thread, but with the process, by its socket
   setpgid(0, 0);               // nor with who ends Gauntlet's group
-  socket = CloseAllBut(socket);
+  if (socket <= STDERR_FILENO) socket = fcntl(socket, F_DUPFD, STDERR_FILENO + 1);
+  KeepOnly({socket});
   // The processor time of a supervisor that was waited for is also that of this one, and so of
   // Gauntlet.
   const auto wait_for_ended = [] {
