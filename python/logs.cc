@@ -36,7 +36,7 @@ py::dict Identify(const std::string& log, const sim::HandLogOptions& options, bo
     for (sim::ChainLog& episode : episodes.logs) episode.held = held;
     found = sim::IdentifyHand(std::move(episodes),
                               [&](int done, int all) { work.Progress(done, all); });
-    page = sim::ChainPage(found->result);
+    page = sim::ChainPage(found->result, found->chain, "chain.yaml");
     const sim::ChainLog& shown = found->result.log();
     if (!shown.columns_ignored.empty()) {
       work.Remark(fmt::format("{}: ignored columns that are no command, angle or motor: {}",

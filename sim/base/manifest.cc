@@ -124,7 +124,7 @@ bool IsMadeOfResults(const std::string& name) {
   const bool table = name.starts_with("trace.") && name.ends_with(".csv");
   const bool robot =
       name.ends_with(".robot.yaml") || name.ends_with(".robot.h") || name.ends_with(".robot.txt");
-  return table || robot || name == "comparison.mp4";
+  return table || robot || name == "comparison.mp4" || name == "poster.png";
 }
 
 /// Removes files of an earlier run that would be mistaken for files of this run.

@@ -42,12 +42,6 @@ Shard ParseShard(const std::string& text) {
   return {.number = static_cast<int>(*number), .count = static_cast<int>(*count)};
 }
 
-std::string TimeText(double seconds) {
-  if (seconds < 90.0) return fmt::format("{:.0f} s", std::max(1.0, seconds));
-  if (seconds < 5400.0) return fmt::format("{:.0f} min", seconds / 60.0);
-  return fmt::format("{:.1f} h", seconds / 3600.0);
-}
-
 /// Errors: UserError for options that contradict each other.
 CellRange CellsOf(const SweepPlan& plan, const CellsCommand& command) {
   const Shard shard = ParseShard(command.shard);

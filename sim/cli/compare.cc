@@ -17,10 +17,15 @@ struct CompareCommand : StudyCommand {
   }
 
   Options Rows() {
-    return StudyCommand::Rows(
-        Option("--seeds", &seeds, {.range = {1, 100'000}},
-               "number of seeds; each draws a new glove and uses the next recording [8, or one for "
-               "each recording]"));
+    return {
+        StudyCommand::Rows(
+            Option("--seeds", &seeds, {.range = {1, 100'000}},
+                   "number of seeds; each draws a new glove and uses the next recording [8, or one "
+                   "for each recording]")),
+        Option(
+            "--estimate", &estimate, {},
+            "print how long it takes on this computer, from a measured trial, and write nothing"),
+    };
   }
 
   static constexpr auto kNotes = R"(

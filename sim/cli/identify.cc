@@ -276,7 +276,7 @@ void RunIdentify(const IdentifyOptions& options) {
   files.Write([&](const fs::path& place) {
     WriteOutputFile(place / target.filename(), WithChecksum(found.chain_yaml));
     if (!servo.empty()) WriteOutputFile(place / hand.filename(), WithChecksum(servo));
-    WriteOutputFile(place / page.filename(), ChainPage(result));
+    WriteOutputFile(place / page.filename(), ChainPage(result, chain, target.filename().string()));
   });
   files.Commit();
   const std::string name = target.string();

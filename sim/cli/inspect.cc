@@ -189,6 +189,7 @@ void PrintInspection(const Inspection& inspection, bool is_verbose) {
     return;
   }
   Print("{}\n", SummaryOf(inspection));
+  if (const std::string health = HealthText(inspection); !health.empty()) Print("{}", health);
   Print("file    {}\n", OneLine(inspection.file, 70));
   Print("size    {} rows of {} columns, {:.5g} s{}\n", inspection.rows, inspection.layout.columns,
         inspection.time.duration_s,
@@ -211,7 +212,7 @@ void PrintInspection(const Inspection& inspection, bool is_verbose) {
     PrintDetails(inspection);
   }
   Print("\n{}", TextOf(ColumnsTable(inspection, is_verbose), StyleOf({})));
-  if (const std::string health = HealthText(inspection); !health.empty()) Print("\n{}", health);
+  if (const std::string noise = NoiseText(inspection); !noise.empty()) Print("\n{}\n", noise);
 }
 
 /// Errors: UserError, before anything is written, for a target that must stay.

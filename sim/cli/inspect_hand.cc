@@ -127,13 +127,16 @@ StarterHand MakeStarterHand(const std::filesystem::path& model) {
   StarterHand starter;
   HandConfig& config = starter.config;
   config.model_path = model.string();
-  std::vector<double> stall, rotor, friction;
+  std::vector<double> stall, rotor, friction, drum_mm;
   bool lacks_stall = false, lacks_rotor = false, lacks_drum = false;
+  bool has_cable = false;
   for (const MotorInModel& motor : ReadMotors(model)) {
     if (motor.has_spool) return {.config = config, .assumed = {}};
-    lacks_drum = lacks_drum || motor.pulls_cable;
+    lacks_drum = lacks_drum || (motor.pulls_cable && !(motor.drum_radius_m > 0.0));
+    drum_mm.push_back(motor.drum_radius_m > 0.0 ? 1e3 * motor.drum_radius_m : kDrumRadiusMm);
+    has_cable = has_cable || motor.pulls_cable;
     lacks_stall = lacks_stall || !(motor.stall_torque_nm > 0.0);
-    const double lever = motor.pulls_cable ? 1e-3 * kDrumRadiusMm : 1.0;
+    const double lever = motor.pulls_cable ? 1e-3 * drum_mm.back() : 1.0;
     stall.push_back(motor.stall_torque_nm > 0.0 ? lever * motor.stall_torque_nm : kStallTorqueNm);
     const bool has_rotor = HasRotor(motor, stall.back());
     lacks_rotor = lacks_rotor || !has_rotor;
@@ -151,11 +154,11 @@ StarterHand MakeStarterHand(const std::filesystem::path& model) {
     config.motor.dry_friction_nm = Shortened(friction);
     starter.assumed.emplace_back("hand.motor.rotor_inertia_kg_m2");
   }
-  if (lacks_drum) {
-    config.motor.drum_radius_mm = {kDrumRadiusMm};
+  if (has_cable) {
+    config.motor.drum_radius_mm = Shortened(drum_mm);
     config.cable.stiffness_n_m = kCableStiffnessNM;
     config.cable.pretension_mm = kPretensionMm;
-    starter.assumed.emplace_back("hand.motor.drum_radius_mm");
+    if (lacks_drum) starter.assumed.emplace_back("hand.motor.drum_radius_mm");
     starter.assumed.emplace_back("hand.cable.stiffness_n_m");
   }
   // The kinds of servo have factors on the small motors of models/: these numbers are whole.

@@ -12,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/json.h"
 #include "sim/base/nearest_name.h"
+#include "sim/base/output_file.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
@@ -20,6 +21,7 @@
 #include "sim/results/runs.h"
 #include "sim/score/score.h"
 #include "sim/settings/setting_rows.h"
+#include "sim/show/pages/runs_page.h"
 #include "sim/study/scenario/scenario.h"
 #include "sim/study/scenario/scenario_reader.h"
 #include "sim/trial/link/link_config.h"
@@ -43,19 +45,22 @@ struct ListOptions {
   static constexpr auto kPurpose = "List filters, metrics, keys, scenarios and more";
   static constexpr auto kGroup = Group::kOther;
   std::string what;  // empty: the lists themselves
+  std::string page;
   bool json = false;
 
   Options Rows() {
     return {
         Option("what", &what, {.words = AllNames(Subjects())},
                "one of the lists; all are named if left out"),
+        OutOption(page, "write a page of the runs, with a picture of each", "PAGE.html"),
         Option("--json", &json, {}, "print JSON"),
     };
   }
 
   static constexpr auto kNotes = R"(
-Example:
+Examples:
   gauntlet list filters
+  gauntlet list runs --out out/runs.html
 )";
 };
 
@@ -326,7 +331,22 @@ Json JsonOf(const Subject& subject) {
   return json;
 }
 
+/// Errors: UserError, before anything is written.
+void WriteRunsPage(const ListOptions& options) {
+  const std::filesystem::path page = options.page;
+  if (options.what != "runs" || page.extension() != ".html") {
+    throw UserError({.place = "--out " + options.page,
+                     .problem = options.what != "runs" ? "only list runs writes a page"
+                                                       : "a page must end in .html"});
+  }
+  RefuseInput(page);
+  MakeDirectoryOf(page);
+  const std::filesystem::path folder = page.has_parent_path() ? page.parent_path() : ".";
+  WriteOutputFile(page, RunsPage(FindRuns("out"), folder));
+}
+
 void List(const ListOptions& options) {
+  if (!options.page.empty()) WriteRunsPage(options);
   if (options.what.empty()) {
     if (options.json) {
       Json all;
@@ -349,6 +369,8 @@ void List(const ListOptions& options) {
   } else {
     PrintSubject(*subject);
   }
+  FlushOutput();
+  if (!options.page.empty()) Say("wrote {}\n", options.page);
 }
 
 }  // namespace

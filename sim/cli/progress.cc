@@ -20,6 +20,14 @@ std::string Duration(double seconds) {
 
 }  // namespace
 
+std::string TimeText(double seconds) {
+  constexpr double kWhole_s = 20.0, kMost_s = 90.0, kStep_s = 5.0;
+  if (seconds < kWhole_s) return fmt::format("{:.0f} s", std::max(1.0, seconds));
+  if (seconds < kMost_s) return fmt::format("{:.0f} s", kStep_s * std::round(seconds / kStep_s));
+  if (seconds < 5400.0) return fmt::format("{:.0f} min", seconds / 60.0);
+  return fmt::format("{:.1f} h", seconds / 3600.0);
+}
+
 Progress::Progress(std::string label)
     : label_(std::move(label)), on_terminal_(isatty(STDERR_FILENO) != 0) {}
 
@@ -37,8 +45,9 @@ bool Progress::Update(double done, double total) {
   const double elapsed_s = std::chrono::duration<double>(now - start_).count();
   constexpr int kWidth = 30;
   const int filled = static_cast<int>(share * kWidth);
-  const std::string left =
-      share > 0.01 ? Duration(elapsed_s * (1.0 - share) / share) + " left" : "";
+  const std::string left = share > 0.01 ? Duration(elapsed_s * (1.0 - share) / share) + " left"
+                           : expected_s_ > 0.0 ? "about " + TimeText(expected_s_)
+                                               : "";
   SayText(fmt::format("\r\033[K{} [{}{}] {:3.0f} %  {}", label_, std::string(filled, '#'),
                       std::string(kWidth - filled, '.'), 100.0 * share, left));
   return true;

@@ -9,6 +9,7 @@
 #include "sim/answers/compare/study_files.h"
 #include "sim/answers/compare/study_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/json.h"
 #include "sim/base/manifest.h"
 #include "sim/base/output_folder.h"
 #include "sim/base/signal_storage.h"
@@ -68,19 +69,40 @@ Scenario ReadScenario(const ScenarioSource& source, StudyCommand& options) {
   return scenario;
 }
 
+StudyWork WorkOf(const StudyCommand& options) {
+  return {.seeds = options.seeds, .jobs = JobsOrCores(options.jobs), .causes = CausesOf(options)};
+}
+
+/// The number of trials, and how long they take on this computer.
+void PrintEstimate(const StudyCommand& options, const Study& study) {
+  StudyWork work = WorkOf(options);
+  Progress progress("measuring");
+  work.progress = [&](double done, int all) { return progress.Update(done, all); };
+  const int trials = TrialCount(study, work.seeds, work.causes);
+  const double seconds = EstimateSeconds(study, work);
+  if (options.json) {
+    return PrintText(Json({{"trials", trials}, {"seconds", seconds}, {"jobs", work.jobs}}).dump() +
+                     "\n");
+  }
+  Print("{}: about {} with {} at a time\n", TrialsText(trials), TimeText(seconds), work.jobs);
+}
+
 /// Runs the trials, with a progress bar. Returns what study.db lacks, if anything.
 std::optional<std::string> Compute(const StudyCommand& options, FinishedStudy& finished) {
   const std::filesystem::path file = finished.folder / "study.db";
   if (options.comparison) KeepsTrials(file);
-  const CauseSeeds causes = CausesOf(options);
-  Progress progress(TrialsText(TrialCount(finished.study, options.seeds, causes)));
-  return FinishStudy({.seeds = options.seeds,
-                      .jobs = JobsOrCores(options.jobs),
-                      .causes = causes,
-                      .progress = [&](double done, int all) { return progress.Update(done, all); },
-                      .note = [](const std::string& line) { Say("{}\n", line); },
-                      .remark = [](const std::string& line) { Say("gauntlet: {}\n", line); }},
-                     finished);
+  StudyWork work = WorkOf(options);
+  const int trials = TrialCount(finished.study, work.seeds, work.causes);
+  Progress progress(TrialsText(trials));
+  work.progress = [&](double done, int all) { return progress.Update(done, all); };
+  // A person who waits for many trials gets their time before the first of them ends.
+  constexpr int kManyTrials = 40;
+  if (progress.on_terminal() && trials >= kManyTrials && !std::filesystem::exists(file)) {
+    progress.Expect(EstimateSeconds(finished.study, work));
+  }
+  work.note = [](const std::string& line) { Say("{}\n", line); };
+  work.remark = [](const std::string& line) { Say("gauntlet: {}\n", line); };
+  return FinishStudy(work, finished);
 }
 
 void DrawVideo(const StudyCommand& options, const std::filesystem::path& folder) {
@@ -139,6 +161,7 @@ void RunStudyCommand(const StudyCommand& asked) {
   SetSignalFolder(out);
   finished.study = PrepareStudy(source, std::move(scenario));
   for (const std::string& line : WarningsOf(finished.study)) Say("gauntlet: {}\n", line);
+  if (options.estimate) return PrintEstimate(options, finished.study);
   if (options.video) CheckVideoTarget(VideoOf(out));
   OutputFolder folder(out);
   finished.folder = folder.path();

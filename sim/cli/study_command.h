@@ -24,6 +24,7 @@ struct StudyCommand {
   int seeds = 1;                         // 0: of a comparison, 8 or one for each repetition
   int jobs = 0;                          // 0: one per core
   bool comparison = false;
+  bool estimate = false;  // print how long it takes, and run nothing
   bool video = false;
   bool json = false;
   bool csv = false;

@@ -219,22 +219,21 @@ Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain,
     for (const ChainFit& fit : fits) {
       if (std::isfinite(fit.unlimited_delay_ms)) unlimited_ms.push_back(fit.unlimited_delay_ms);
     }
-    verdict.AddReason(
-        "horizon",
+    verdict.AddHeadline(
+        "horizon", "No horizon_ms",
         unlimited_ms.empty()
-            ? "No horizon_ms: the log determines no delay."
-            : fmt::format("No horizon_ms: a speed limit makes the delay depend on the size of the "
-                          "motion. Below the limit it is {} ms.",
+            ? ": the log determines no delay."
+            : fmt::format(": a speed limit makes the delay depend on the size of the motion. "
+                          "Below the limit it is {} ms.",
                           RangeText(unlimited_ms, 0)));
   } else {
     const std::string horizon = RangeText(chain.horizon_ms, 1);
     verdict.recommended = "horizon_ms: " + horizon;
-    verdict.AddReason(
-        "horizon",
-        fmt::format("Set prediction.horizon_ms to {} ({:g} of the delay{}, {} ms): written to {}, "
-                    "for a controller's key chain.",
-                    horizon, kHorizonShare, fits.size() == 1 ? "" : " of each part",
-                    RangeText(delays_ms, 1), file));
+    verdict.AddHeadline(
+        "horizon", fmt::format("Set prediction.horizon_ms to {}", horizon),
+        fmt::format(" ({:g} of the delay{}, {} ms): written to {}, for a controller's key chain.",
+                    kHorizonShare, fits.size() == 1 ? "" : " of each part", RangeText(delays_ms, 1),
+                    file));
   }
   verdict.AddReason("withheld", WithheldText(fits));
   if (!without_delay.empty() && !delays_ms.empty()) {

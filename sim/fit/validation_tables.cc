@@ -84,11 +84,12 @@ Verdict VerdictOf(const Validation& validation) {
   if (holds.empty()) {
     verdict.AddReason("holds", "The simulated servo is a model of no part.");
   } else {
-    verdict.AddReason(
-        "holds", fmt::format("The simulated servo is a model of {} of {} part{}: error {} % of the "
-                             "motion in held-out episodes, delay within {:.1f} ms.",
-                             holds.size(), all, all == 1 ? "" : "s",
-                             RangeText({100.0 * least, 100.0 * most}, 0), most_ms));
+    verdict.AddHeadline(
+        "holds",
+        fmt::format("The simulated servo is a model of {} of {} part{}", holds.size(), all,
+                    all == 1 ? "" : "s"),
+        fmt::format(": error {} % of the motion in held-out episodes, delay within {:.1f} ms.",
+                    RangeText({100.0 * least, 100.0 * most}, 0), most_ms));
     verdict.recommended = holds.size() == all ? "holds" : "holds in part";
   }
   for (const std::string& doubt : failed) verdict.AddWarning("does_not_hold", doubt);

@@ -244,6 +244,19 @@ void FindSpool(const mjModel& model, Drive& drive) {
   drive.drum_radius_m = Positive(model.geom_size[3 * drum], "radius of geom", drum_name);
 }
 
+/// Length of the cable that a control of 1 winds, if it is an angle; else 0.
+double WoundPerControl(const mjModel& model, int actuator) {
+  const double gain = model.actuator_gainprm[actuator * mjNGAIN];
+  const double stiffness = -model.actuator_biasprm[actuator * mjNBIAS + 1];
+  if (model.actuator_gaintype[actuator] != mjGAIN_FIXED ||
+      model.actuator_biastype[actuator] != mjBIAS_AFFINE || !(stiffness > 0.0)) {
+    return 0.0;
+  }
+  constexpr double kLargestDrum_m = 0.5;
+  const double wound_m = std::abs(gain) / stiffness;
+  return wound_m < kLargestDrum_m ? wound_m : 0.0;
+}
+
 }  // namespace
 
 double OfMotor(const std::vector<double>& values, std::size_t motor) noexcept {
@@ -292,6 +305,7 @@ std::vector<MotorInModel> MotorsInModel(const mjModel& model) {
     } else if (kind == mjTRN_TENDON) {
       motor.tendon = target;
       motor.pulls_cable = model.wrap_type[model.tendon_adr[target]] != mjWRAP_JOINT;
+      if (motor.pulls_cable) motor.drum_radius_m = WoundPerControl(model, actuator);
     } else {
       throw UserError(
           fmt::format("motor '{}' of the model must act on a joint or on a tendon", motor.name));

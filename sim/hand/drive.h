@@ -120,12 +120,14 @@ struct MotorInModel {
   int joint = -1;          // that it turns without cables
   int tendon = -1;         // a tendon that it pulls, or one of joints that it turns
   bool pulls_cable = false;
+  double drum_radius_m = 0.0;    // of a motor that pulls a cable by its own angle; 0: not known
   double stall_torque_nm = 0.0;  // of a motor that pulls a cable: its force [N]
   double rotor_inertia_kg_m2 = 0.0;
   double dry_friction_nm = 0.0;
 };
 /// In the model's order. Stall torque: the ctrlrange of a <motor>, else the forcerange, times the
-/// gear. Rotor and friction: armature and frictionloss of the joint; of several joints, the mean of
+/// gear. Drum: of an actuator that holds the length of its cable at a multiple of its control, as
+/// gauntlet export writes them; where the multiple is 1, the control is a length. Rotor and friction: armature and frictionloss of the joint; of several joints, the mean of
 /// armature / ratio^2 and no friction, which stays with the joints.
 /// Errors: UserError for an actuator without a name, or on something else than joints and tendons.
 std::vector<MotorInModel> MotorsInModel(const mjModel_& model);

@@ -192,11 +192,14 @@ ColumnStatistics TableStatistics::Column(std::size_t column) const {
   statistics.commonest_share = CommonestShare(std::move(values));
   const double rows = static_cast<double>(std::max<std::size_t>(watch.good_rows, 1));
   statistics.still_share = static_cast<double>(watch.still_rows) / rows;
-  // The lowest value of noise is rare. The value of a saturated sensor is frequent.
+  // The lowest value of noise is rare. The value of a saturated sensor is frequent, also in a short
+  // table, of which a single row is a large share.
   constexpr double kCommonShare = 0.01;
+  constexpr std::size_t kFewestAtEnd = 5;
   for (const std::size_t at_end : {watch.at_low, watch.at_high}) {
     const double share = static_cast<double>(at_end) / rows;
-    if (share >= kCommonShare && watch.low < watch.high) statistics.clipped_share += share;
+    if (at_end < kFewestAtEnd || share < kCommonShare || !(watch.low < watch.high)) continue;
+    statistics.clipped_share += share;
   }
   const auto distances = [&](const std::vector<double>& kept) {
     std::vector<double> found;

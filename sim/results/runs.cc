@@ -18,6 +18,14 @@ namespace fs = std::filesystem;
 constexpr int kDeepest = 3;
 constexpr std::size_t kMostLines = 40;
 
+/// The first sentences, as many as fit into two lines or so.
+std::string FirstSentences(const std::string& text) {
+  constexpr std::size_t kMost = 200;
+  if (text.size() <= kMost) return text;
+  const std::size_t end = text.rfind(". ", kMost);
+  return end == std::string::npos ? OneLine(text, kMost) : text.substr(0, end + 1);
+}
+
 /// The next lines up to an empty one, in one line.
 std::string Paragraph(std::istream& text) {
   std::string paragraph;
@@ -26,7 +34,7 @@ std::string Paragraph(std::istream& text) {
     if (line.empty() && !paragraph.empty()) break;
     if (!line.empty()) paragraph += (paragraph.empty() ? "" : " ") + line;
   }
-  return OneLine(paragraph);
+  return OneLine(FirstSentences(paragraph));
 }
 
 std::uintmax_t BytesIn(const fs::path& folder) {

@@ -30,11 +30,17 @@ void Verdict::AddReason(std::string key, std::string text) {
   if (!text.empty()) reasons.push_back({.key = std::move(key), .text = std::move(text)});
 }
 
+void Verdict::AddHeadline(std::string key, std::string beginning, const std::string& rest) {
+  AddReason(std::move(key), beginning + rest);
+  headline = std::move(beginning);
+}
+
 void Verdict::AddWarning(std::string key, std::string text) {
   if (!text.empty()) warnings.push_back({.key = std::move(key), .text = std::move(text)});
 }
 
-void Verdict::AddUndecided(const std::vector<std::string>& undecided, const std::string& cure) {
+void Verdict::AddUndecided(const std::vector<std::string>& undecided, const std::string& cure,
+                           const std::string& noun) {
   if (undecided.empty()) return;
   constexpr std::size_t kMostNames = 3;
   std::string others = undecided.front();
@@ -44,8 +50,11 @@ void Verdict::AddUndecided(const std::vector<std::string>& undecided, const std:
   if (undecided.size() > kMostNames) {
     others += fmt::format("; {} others", undecided.size() - kMostNames);
   }
-  AddReason("undecided",
-            fmt::format("No recommendation, as it is undecided against {}. {}", others, cure));
+  if (!noun.empty() && undecided.size() > 1) {
+    others = fmt::format("{} other {}s", undecided.size(), noun);
+  }
+  AddHeadline("undecided", "No recommendation",
+              fmt::format(", as it is undecided against {}. {}", others, cure));
   alternatives.insert(alternatives.begin(), std::exchange(recommended, {}));
   alternatives.insert(alternatives.end(), undecided.begin(), undecided.end());
 }
@@ -70,6 +79,13 @@ std::vector<std::string> Verdict::Doubts() const {
     if (warning.key != kAssumed) sentences.push_back(warning.text);
   }
   return sentences;
+}
+
+std::string Verdict::Headline() const {
+  if (!headline.empty()) return headline + ".";
+  if (reasons.empty()) return "";
+  const std::string& first = reasons.front().text;
+  return first.substr(0, std::min(first.find(". "), first.size() - 1) + 1);
 }
 
 std::string Verdict::Text() const {

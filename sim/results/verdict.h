@@ -20,20 +20,29 @@ struct Verdict {
   std::vector<std::string> alternatives = {};  // equivalent, or better in another score
   std::vector<VerdictRemark> reasons = {};
   std::vector<VerdictRemark> warnings = {};
+  /// The answer in at most eight words where names are short: the beginning of a sentence of the
+  /// reasons, without its end. Empty: the first sentence.
+  std::string headline = {};
 
   /// An empty text is not added.
   void AddReason(std::string key, std::string text);
+  /// The same of `beginning` + `rest`, of which the beginning is the headline from now on.
+  void AddHeadline(std::string key, std::string beginning, const std::string& rest);
   void AddWarning(std::string key, std::string text);
   /// These are not told apart from the best, so they may be as good: nothing is recommended then.
-  /// `cure`: sentence on how to decide it.
+  /// `cure`: sentence on how to decide it. `noun`: names several by their number alone, "8 other
+  /// settings"; empty: by the first names.
   void AddUndecided(const std::vector<std::string>& undecided,
-                    const std::string& cure = "More seeds can decide it.");
+                    const std::string& cure = "More seeds can decide it.",
+                    const std::string& noun = "");
   void AddWithoutHand();
 
   /// The reasons, then assumptions, a sentence or two each.
   std::vector<std::string> Answer() const;
   /// The other warnings.
   std::vector<std::string> Doubts() const;
+  /// The headline as a sentence; empty without reasons.
+  std::string Headline() const;
   /// The recommended one, or `other` where there is none.
   const std::string& best_or(const std::string& other) const {
     return recommended.empty() ? other : recommended;

@@ -194,10 +194,10 @@ class BrowserTest : public testing::Test {
   static std::string Page(const test::MadeUpStudy& made) {
     const auto data = PageData(made, made.first_seed());
     return AssemblePage(
-        {.title = made.study.scenario.name,
-         .question = made.study.scenario.question,
+        {.head = {.title = made.study.scenario.name,
+                  .question = made.study.scenario.question,
+                  .answer = "verdict"},
          .facts = "facts",
-         .verdict = "verdict",
          .front = ControllersFront(made.summary),
          .data = JsonForScript(data),
          .resolved_scenario = "made_with:\n  gauntlet_version: \"1\"\n",
@@ -289,6 +289,20 @@ TEST_F(BrowserTest, WhatDoesNotCountStandsOnGrey) {
   EXPECT_NEAR(seen["first"][0], 400.0 / 1500.0, 0.03);
   EXPECT_EQ(seen["first"][1], 1);
   EXPECT_EQ(seen["second"], nlohmann::json::array({0, 0}));
+}
+
+/// Wrong: a line for each controller, all alike.
+TEST_F(BrowserTest, RejectedSamplesOfAllControllersAreOneLine) {
+  test::MadeUpStudy made = test::MakeUpStudy({});
+  for (std::size_t c = 0; c < 3; ++c) {
+    made.result.seeds[0].controllers[c].untrusted_samples[0] = 16 + static_cast<int>(c);
+  }
+  const auto seen = Use(Page(made), 1200, R"(<script>
+    leave({lines: [...document.querySelectorAll("#problems li")].map((line) => line.textContent)});
+  </script>)");
+  ASSERT_EQ(seen["lines"].size(), 1U);
+  EXPECT_THAT(seen["lines"][0].get<std::string>(),
+              testing::StartsWith("All controllers: 16 to 18 glove samples were rejected"));
 }
 
 /// A table that was saved: rows of numbers.
@@ -418,10 +432,10 @@ TEST_F(BrowserTest, SaysWhereTooLittleCountsForFrequencies) {
 // What a browser without scripts shows.
 TEST(ReportPage, HasVerdictScoresTradeOffAndVideoWithoutScripts) {
   const test::MadeUpStudy made = test::MakeUpStudy({});
-  std::string page = AssemblePage({.title = "made_up",
-                                   .question = "Is the page whole?",
+  std::string page = AssemblePage({.head = {.title = "made_up",
+                                            .question = "Is the page whole?",
+                                            .answer = "Use filter_1."},
                                    .facts = "facts",
-                                   .verdict = "Use filter_1.",
                                    .numbers = HtmlOf(ShownText(made)),
                                    .answer = HtmlOf(AnswerText(made)),
                                    .front = ControllersFront(made.summary),

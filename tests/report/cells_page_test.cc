@@ -12,6 +12,7 @@
 
 #include "controller/number.h"
 #include "sim/answers/sweep/sweep_tables.h"
+#include "sim/answers/tune/tune_tables.h"
 #include "sim/show/pages/cells_chart.h"
 #include "sim/show/pages/interval_chart.h"
 #include "sim/show/pages/tune_page.h"
@@ -68,8 +69,10 @@ TEST(CellsPage, StandsThereWithoutScripts) {
                           HasSubstr("min_cutoff_hz: 1\n"),
                           HasSubstr("gauntlet compare made_up.yaml --seeds 8 --controllers it")));
   EXPECT_EQ(Count(body, "<path data-point"), 40u);
-  EXPECT_EQ(Count(body, "<circle data-point"), 40u);
-  EXPECT_EQ(Count(body, "class=\"heat-map\""), 1u);
+  // In jitter over delay, and over both settings: a map of 144 places would show what was not tried.
+  EXPECT_EQ(Count(body, "<circle data-point"), 2u * 40u);
+  EXPECT_EQ(Count(body, "class=\"heat-map scatter\""), 1u);
+  EXPECT_EQ(Count(body, "class=\"heat-map\""), 0u);
   EXPECT_EQ(Count(page, "http://") + Count(page, "https://"), Count(page, "http://www.w3.org/"));
 }
 
@@ -92,6 +95,20 @@ TEST(HeatMap, HasItsLimitInTheMiddleOfItsColours) {
                            HasSubstr("--share: 100%")));
   EXPECT_EQ(Count(cells, "--share"), 3u);
   EXPECT_THAT(svg, AllOf(HasSubstr(">5 % of motion<"), HasSubstr(">10 % or more<")));
+}
+
+TEST(CellsPage, BeginsWithTheAnswerOfTheTerminalAndItsNumbers) {
+  const TunePlan plan = MadeUpPlan();
+  const TuneResult result = MadeUpResult(plan, 40);
+  const std::string page = TunePage(plan, result);
+  const std::string head =
+      page.substr(page.find("<header>"), page.find("</header>") - page.find("<header>"));
+  const Verdict verdict = VerdictOf(plan, result);
+  EXPECT_THAT(head, HasSubstr("<p class=\"headline\">" + verdict.Headline() + "</p>"));
+  EXPECT_TRUE(verdict.Answer().front().starts_with(verdict.headline)) << verdict.headline;
+  EXPECT_THAT(head, AllOf(HasSubstr("<span>tracking error</span>"), HasSubstr("<span>delay</span>"),
+                          HasSubstr("<span>jitter</span>"), HasSubstr("before ")));
+  EXPECT_EQ(Count(head, "<li"), 3u);
 }
 
 TEST(CellsPage, StaysSmallHoweverManySettingsThereAre) {
@@ -151,7 +168,7 @@ TEST(Response, SaysWhereAControllerIsBetterAndDrawsEachOne) {
   EXPECT_EQ(Count(svg, "class=\"interval\""), 2u);
   EXPECT_EQ(Count(svg, "<title>"), 9u);  // the last one has no score
   EXPECT_EQ(Count(svg, "<b>") + Count(svg, "nan"), 0u);
-  EXPECT_THAT(svg, HasSubstr("<title>&lt;b&gt;, frequency_hz 4: 5±0.5</title>"));
+  EXPECT_THAT(svg, HasSubstr("<title>&lt;b&gt;, frequency_hz 4: 5.00±0.50</title>"));
 }
 
 /// Runs last: uses the page as a person does.

@@ -35,13 +35,17 @@ test::MadeUpStudy Made(double tracking_deg, double delay_ms, double jitter_deg) 
   return made;
 }
 
+std::string ItemsOf(const test::MadeUpStudy& made) {
+  return HtmlOf(PageHead{.numbers = HeadlineDifferences(made.summary)});
+}
+
 TEST(Headline, TellsADifferenceInPercentAndADelayInMilliseconds) {
   const test::MadeUpStudy made = Made(-2.0, -40.0, 0.0);
   const std::string name = made.summary.controllers[1].name;
   const std::string baseline = made.summary.controllers[0].name;
   ASSERT_EQ(made.summary.answer.verdict.recommended, name);
   EXPECT_EQ(Headline(made.summary), "Use " + name + " in place of " + baseline + ".");
-  const std::string html = HeadlineDifferences(made.summary);
+  const std::string html = ItemsOf(made);
   EXPECT_THAT(html, HasSubstr("<li class=\"good\"><span>tracking error</span> <b>−20 %</b>"));
   EXPECT_THAT(html, HasSubstr("<li class=\"good\"><span>delay</span> <b>−40 ms</b>"));
   EXPECT_THAT(html, HasSubstr("<li><span>jitter</span> <b>equivalent</b>"));
@@ -50,20 +54,47 @@ TEST(Headline, TellsADifferenceInPercentAndADelayInMilliseconds) {
 TEST(Headline, TellsWhatIsWorse) {
   const test::MadeUpStudy made = Made(-2.0, 30.0, 0.0);
   ASSERT_EQ(made.summary.answer.verdict.recommended, made.summary.controllers[1].name);
-  EXPECT_THAT(HeadlineDifferences(made.summary),
-              HasSubstr("<li class=\"warn\"><span>delay</span> <b>+30 ms</b>"));
+  EXPECT_THAT(ItemsOf(made), HasSubstr("<li class=\"warn\"><span>delay</span> <b>+30 ms</b>"));
 }
 
 TEST(Headline, HasAtMostEightWordsAndNoNumbersWithoutARecommendation) {
   test::MadeUpStudy one = test::MakeUpStudy({.seeds = 1});
   EXPECT_EQ(Headline(one.summary), "One run: no recommendation.");
-  EXPECT_EQ(HeadlineDifferences(one.summary), "");
+  EXPECT_TRUE(HeadlineDifferences(one.summary).empty());
   const test::MadeUpStudy alike = Made(0.0, 0.0, 0.0);
-  EXPECT_EQ(HeadlineDifferences(alike.summary), "");
+  EXPECT_TRUE(HeadlineDifferences(alike.summary).empty());
   for (const test::MadeUpStudy& made : {Made(-2.0, -40.0, 0.0), Made(5.0, 80.0, 1.0), alike}) {
     const std::string headline = Headline(made.summary);
     EXPECT_LE(std::ranges::count(headline, ' '), 7) << headline;
   }
+}
+
+PageHead HeadOf(const Verdict& verdict) {
+  PageHead head;
+  SetAnswer(verdict, head);
+  return head;
+}
+
+TEST(PageHead, BeginsWithTheBeginningOfTheTerminalsSentence) {
+  Verdict verdict{.recommended = "b"};
+  verdict.AddHeadline("best_by", "Use b", ": tracking error 2 deg RMS.");
+  verdict.AddWarning("without_hand", "Filters <only>.");
+  EXPECT_EQ(HeadOf(verdict).headline, "Use b.");
+  EXPECT_EQ(HeadOf(verdict).answer, "Use b: tracking error 2 deg RMS.");
+  EXPECT_THAT(HtmlOf(HeadOf(verdict)),
+              HasSubstr("<p class=\"note warn\">Filters &lt;only&gt;.</p>"));
+  verdict.AddUndecided({"c", "d"}, "More seeds can decide it.", "setting");
+  EXPECT_EQ(HeadOf(verdict).headline, "No recommendation.");
+  EXPECT_THAT(HeadOf(verdict).answer, HasSubstr("undecided against 2 other settings."));
+}
+
+TEST(PageHead, DoesNotRepeatAHeadlineThatIsAWholeSentence) {
+  PageHead head;
+  SetAnswer("5 sensors, 50.2 Hz: 1 dead (A3). Two senders.", head);
+  EXPECT_EQ(head.headline, "5 sensors, 50.2 Hz: 1 dead (A3).");
+  EXPECT_EQ(head.answer, "Two senders.");
+  SetAnswer("5 sensors.", head);
+  EXPECT_EQ(head.answer, "");
 }
 
 }  // namespace

@@ -15,12 +15,10 @@ namespace {
 Json Data(const test::MadeUpStudy& made) { return PageData(made, made.first_seed()); }
 
 std::string Page(const test::MadeUpStudy& made) {
-  return AssemblePage({.title = made.study.scenario.name,
-                       .question = made.study.scenario.question,
-                       .facts = "",
-                       .verdict = "",
-                       .data = JsonForScript(Data(made)),
-                       .resolved_scenario = ""});
+  return AssemblePage(
+      {.head = {.title = made.study.scenario.name, .question = made.study.scenario.question},
+       .data = JsonForScript(Data(made)),
+       .resolved_scenario = ""});
 }
 
 /// The content of <script type="application/json">.

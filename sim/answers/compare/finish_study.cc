@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <variant>
 
@@ -100,6 +101,19 @@ int SeedsOfComparison(const Scenario& scenario) {
 
 std::string TrialsText(int count) {
   return fmt::format("{} trial{}", count, count == 1 ? "" : "s");
+}
+
+double EstimateSeconds(const Study& study, const StudyWork& work) {
+  Study piece = study;
+  auto& controllers = piece.scenario.controllers;
+  controllers.resize(std::min(controllers.size(), static_cast<std::size_t>(work.jobs)));
+  const auto start = std::chrono::steady_clock::now();
+  RunStudy(piece, {.jobs = work.jobs,
+                   .progress = [&](double, int) { return !work.progress || work.progress(0.0, 1); },
+                   .causes = CauseSeeds::kNone});
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  return took.count() * TrialCount(study, work.seeds, work.causes) /
+         TrialCount(piece, 1, CauseSeeds::kNone);
 }
 
 std::optional<std::string> FinishStudy(const StudyWork& work, FinishedStudy& finished) {

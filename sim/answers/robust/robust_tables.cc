@@ -14,8 +14,7 @@ namespace {
 
 ResultCell CellOf(const Share& share) {
   return {{std::int64_t{share.count}, std::int64_t{share.hits}, share.low, share.high},
-          fmt::format("{} of {} {}({:.0f} to {:.0f} %)", share.hits, share.count, kSoftBreak,
-                      std::floor(100.0 * share.low), std::ceil(100.0 * share.high))};
+          fmt::format("{} of {} {}({})", share.hits, share.count, kSoftBreak, PercentText(share))};
 }
 
 /// `of`: what CSV calls the number of all hands.
@@ -92,35 +91,42 @@ ResultTable HandsTable(const RobustResult& result) {
 
 }  // namespace
 
+std::string PercentText(const Share& share) {
+  return fmt::format("{:.0f} to {:.0f} %", std::floor(100.0 * share.low),
+                     std::ceil(100.0 * share.high));
+}
+
+std::string JudgedController(const RobustPlan& plan, const RobustResult& result) {
+  const auto score = std::ranges::find(result.scores, plan.sweep.best_by, &RobustScore::metric);
+  return score == result.scores.end() ? ""
+                                      : result.nominal.answer.verdict.best_or(
+                                            score->controllers[score->two_best.front()].name);
+}
+
 Verdict VerdictOf(const RobustPlan& plan, const RobustResult& result) {
   const Verdict& nominal = result.nominal.answer.verdict;
+  const std::string name = JudgedController(plan, result);
   Verdict verdict;
   for (const RobustScore& score : result.scores) {
     if (score.metric != plan.sweep.best_by) continue;
-    const std::size_t best = score.two_best.front();
-    const std::string& name = nominal.best_or(score.controllers[best].name);
     const RobustController& judged =
         *std::ranges::find(score.controllers, name, &RobustController::name);
-    const std::string range =
-        fmt::format("{:.0f} to {:.0f} %", std::floor(100.0 * judged.near_best.low),
-                    std::ceil(100.0 * judged.near_best.high));
     const std::string hands = fmt::format("{} of {} hands (95 % CI {})", judged.near_best.hits,
-                                          judged.near_best.count, range);
+                                          judged.near_best.count, PercentText(judged.near_best));
     if (nominal.recommended.empty()) {
       verdict.alternatives = nominal.alternatives;
-      verdict.AddReason(
-          "undecided",
-          fmt::format("No recommendation on the nominal hand: more seeds are needed. {} "
-                      "has the least {} there, and is best or equivalent on {}.",
+      verdict.AddHeadline(
+          "undecided", "No recommendation on the nominal hand",
+          fmt::format(": more seeds are needed. {} has the least {} there, and is best or "
+                      "equivalent on {}.",
                       name, ScoreName(score.metric), hands));
     } else {
       verdict.recommended = name;
       verdict.alternatives = nominal.alternatives;
-      verdict.AddReason(
-          "recommended",
-          fmt::format("Use {}: recommended on the nominal hand, and best or equivalent "
-                      "in {} on {}.",
-                      name, ScoreName(score.metric), hands));
+      verdict.AddHeadline(
+          "recommended", fmt::format("Use {}", name),
+          fmt::format(": recommended on the nominal hand, and best or equivalent in {} on {}.",
+                      ScoreName(score.metric), hands));
     }
     verdict.AddReason("sensitivity", Sensitivity(plan, score));
   }
@@ -240,10 +246,11 @@ std::string HandsText(const RobustPlan& plan) {
 }
 
 ResultText RobustText(const RobustPlan& plan, const RobustResult& result, bool verbose) {
-  ResultText text = {
-      fmt::format("{}: {}\n{}", plan.sweep.file.name, plan.sweep.file.question, HandsText(plan))};
+  ResultText text = {fmt::format("{}: Does the verdict hold on {} other hands?",
+                                 plan.sweep.file.name, plan.hands)};
   AddVerdict(VerdictOf(plan, result), text);
   text.emplace_back(HandsTable(result));
+  AddLine(HandsText(plan) + ".", text);
   if (result.not_built > 0) {
     AddLine(fmt::format("Warning: {} hands could not be built.", result.not_built), text);
   }
@@ -258,6 +265,14 @@ ResultText RobustText(const RobustPlan& plan, const RobustResult& result, bool v
   for (const RobustScore& score : result.scores) {
     text.emplace_back(RobustScoreTable(result, score));
   }
+  std::vector<MeanInterval> shown;
+  for (const RobustScore& score : result.scores) {
+    for (const ControllerSummary& nominal : result.nominal.controllers) {
+      shown.push_back(nominal.summary[score.metric]);
+    }
+    for (const TornadoBar& bar : score.bars) shown.push_back(bar.change.difference);
+  }
+  AddLine(TooFewTextIfAny(shown, static_cast<std::size_t>(plan.sweep.file.seeds)), text);
   AddLine(
       "verdict: difference to the best on the nominal hand, as gauntlet compare judges it. best: "
       "share of hands with the lowest mean. equivalent: share of hands with a mean within the "

@@ -19,6 +19,12 @@ ResultTable TornadoTable(const RobustPlan& plan, const RobustScore& score);
 /// "matters", "does not matter", "undecided"; empty where there is nothing to judge.
 std::string_view TornadoVerdict(const TornadoBar& bar);
 
+/// The controller that the verdict is about: the recommended one, else the best on the nominal hand.
+std::string JudgedController(const RobustPlan& plan, const RobustResult& result);
+
+/// "75 to 99 %": the confidence interval of a share.
+std::string PercentText(const Share& share);
+
 /// The best controller on the nominal hand, with a reason for each score. It recommends the
 /// best by the score that decides, if none is undecided against it.
 Verdict VerdictOf(const RobustPlan& plan, const RobustResult& result);

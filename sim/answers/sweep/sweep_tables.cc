@@ -65,6 +65,11 @@ void AddCounts(const SweepPlan& plan, const SweepSummary& summary, ResultText& t
   }
   AddLine(summary.first_problem, text);
   if (summary.missing > 0) AddLine(Cells(summary.missing) + " have no result yet.", text);
+  for (const CellResult& best : summary.best) {
+    const std::string few = TooFewTextIfAny(best.scores, static_cast<std::size_t>(plan.file.seeds));
+    AddLine(few, text);
+    if (!few.empty()) break;
+  }
 }
 
 /// "prediction with horizon_ms=50", "cell" being a word of files.
@@ -131,15 +136,16 @@ Verdict VerdictOf(const SweepPlan& plan, const SweepSummary& summary) {
       if (IsAnswer(plan, plan.metrics[m]))
         values.push_back(NamedScore(plan.metrics[m], best.scores[m].mean));
     }
-    verdict.AddReason("best_by",
-                      fmt::format("{} {}: {}.", undecided.empty() ? "Use" : "Best in the mean:",
-                                  verdict.recommended, Listed(values)));
+    verdict.AddHeadline(
+        "best_by",
+        fmt::format("{} {}", undecided.empty() ? "Use" : "Best in the mean:", verdict.recommended),
+        fmt::format(": {}.", Listed(values)));
     if (!verdict.alternatives.empty()) {
       verdict.AddReason("equivalent",
                         fmt::format("Equivalent in {}, of the settings below: {}.",
                                     ScoreName(plan.best_by), verdict.alternatives.size()));
     }
-    verdict.AddUndecided(undecided);
+    verdict.AddUndecided(undecided, "More seeds can decide it.", "setting");
   }
   if (!plan.file.physics) verdict.AddWithoutHand();
   return verdict;
@@ -167,6 +173,11 @@ ResultTable BestCells(const SweepPlan& plan, const SweepSummary& summary) {
     ResultCell& to_best = table.rows.back().back();
     to_best = CellOf(difference, JudgementText(judgement));
     if (&result == &shown.front()) to_best.text = "best";
+  }
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    if (std::ranges::all_of(table.rows, [c](const ResultRow& row) { return row[c].text == "-"; })) {
+      table.columns[c].heading = "";  // no setting has this score
+    }
   }
   return table;
 }

@@ -245,13 +245,14 @@ Verdict VerdictOf(const TunePlan& plan, const TuneResult& result) {
     values.push_back(std::move(value));
   }
   if (const std::string worse = WorseForNothing(result); !worse.empty()) {
-    verdict.AddReason("keep", fmt::format("Keep the settings of {}: {} gains nothing in {} and has "
-                                          "more {}. Tuned: {}.",
-                                          plan.controller, std::exchange(verdict.recommended, {}),
-                                          ScoreName(plan.minimise), worse, Listed(values)));
+    verdict.AddHeadline("keep", fmt::format("Keep the settings of {}", plan.controller),
+                        fmt::format(": {} gains nothing in {} and has more {}. Tuned: {}.",
+                                    std::exchange(verdict.recommended, {}),
+                                    ScoreName(plan.minimise), worse, Listed(values)));
   } else {
-    verdict.AddReason("answer", fmt::format("Use {} for {}: {}.", verdict.recommended,
-                                            plan.controller, Listed(values)));
+    verdict.AddHeadline("answer",
+                        fmt::format("Use {} for {}", verdict.recommended, plan.controller),
+                        fmt::format(": {}.", Listed(values)));
   }
   verdict.AddReason("units", UnitsText(plan, result));
   if (std::isfinite(result.gain.difference.low) && !result.split.is_fixed) {
@@ -293,22 +294,22 @@ Verdict VerdictOf(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
     values.push_back(NamedScore(chosen.result.metrics[m], chosen.result.verdict.scores[m].mean));
   }
   const std::string settings = SettingsText(chosen.plan, chosen.result.verdict.values);
-  verdict.AddReason(
-      "best_by",
-      fmt::format("{} {}{}: {}.",
-                  undecided.empty() && better.empty()
-                      ? "Use"
-                      : fmt::format("Chosen on the fitted {}:", split.Noun()),
-                  chosen.kind, settings.empty() ? "" : " with " + settings, Listed(values)));
+  verdict.AddHeadline("best_by",
+                      fmt::format("{} {}{}",
+                                  undecided.empty() && better.empty()
+                                      ? "Use"
+                                      : fmt::format("Chosen on the fitted {}:", split.Noun()),
+                                  chosen.kind, settings.empty() ? "" : " with " + settings),
+                      fmt::format(": {}.", Listed(values)));
   verdict.AddReason("units", UnitsText(chosen.plan, chosen.result));
   if (!verdict.alternatives.empty()) {
     verdict.AddReason("equivalent", fmt::format("Equivalent in {}: {}.", ScoreName(plan.minimise),
                                                 Listed(verdict.alternatives)));
   }
   if (!better.empty()) {
-    verdict.AddReason("better", fmt::format("No recommendation, as on the held-out {} it is worse "
-                                            "than {}.",
-                                            split.Noun(), Listed(better)));
+    verdict.AddHeadline(
+        "better", "No recommendation",
+        fmt::format(", as on the held-out {} it is worse than {}.", split.Noun(), Listed(better)));
     verdict.alternatives.insert(verdict.alternatives.begin(), better.begin(), better.end());
     verdict.recommended.clear();
   }
@@ -413,6 +414,8 @@ ResultText TuneText(const TunePlan& plan, const TuneResult& result, bool verbose
                                  result.tried.size(), SplitText(result.split))};
   AddVerdict(VerdictOf(plan, result), text);
   text.emplace_back(HeldOutTable(plan, result));
+  AddLine(TooFewTextIfAny(result.verdict.scores, result.verdict.minimised.size(), "--held-out 8"),
+          text);
   if (result.refused > 0) {
     AddLine(fmt::format("{} better settings violated a bound on the held-out {}.", result.refused,
                         result.split.Noun()),

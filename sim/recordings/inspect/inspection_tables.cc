@@ -139,8 +139,7 @@ std::string HealthText(const Inspection& inspection) {
     text +=
         fmt::format("{:<{}}  {}\n", ShownName(inspection, finding.column), width, finding.sentence);
   }
-  const std::string noise = NoiseText(inspection);
-  return noise.empty() ? text : text + noise + "\n";
+  return text;
 }
 
 std::string NoiseText(const Inspection& inspection) {

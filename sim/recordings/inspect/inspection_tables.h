@@ -13,7 +13,7 @@ namespace gauntlet::sim {
 ResultTable ColumnsTable(const Inspection& inspection, bool is_verbose);
 /// A row per topic of a file of messages.
 ResultTable TopicsTable(const std::vector<ListedTopic>& topics);
-/// Lines about sensors with a defect, the worst first, and the noise of the others.
+/// Lines about sensors with a defect, the worst first.
 std::string HealthText(const Inspection& inspection);
 /// "noise 3 to 4.2 counts, 0.48 to 0.8 deg of the joints"; empty without joints or noise.
 std::string NoiseText(const Inspection& inspection);

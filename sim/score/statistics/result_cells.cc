@@ -56,10 +56,49 @@ ResultColumn DifferenceColumn(const std::string& key, const std::string& heading
           {{"mean", ""}, {"low", ""}, {"high", ""}, {"level", ""}, {"verdict", verdict}}};
 }
 
+bool IsOfTooFew(const MeanInterval& interval, double size) {
+  constexpr double kMostDegreesOfFreedom = 2.0;
+  return interval.degrees_of_freedom <= kMostDegreesOfFreedom &&
+         interval.high - interval.mean > std::abs(size);
+}
+
+MeanInterval ShownInterval(MeanInterval interval, double size) {
+  if (IsOfTooFew(interval, size)) interval.low = interval.high = controller::kNaN;
+  return interval;
+}
+
+std::string TooFewText(const MeanInterval& few, std::size_t seeds, std::string_view option) {
+  const auto replicates = static_cast<std::size_t>(std::lround(few.degrees_of_freedom)) + 1;
+  return replicates >= seeds
+             ? fmt::format("{} seeds: too few for some intervals, use {}.", seeds, option)
+             : fmt::format("{} motions: too few for some intervals, use more.", replicates);
+}
+
+std::string TooFewTextIfAny(const std::vector<MeanInterval>& intervals, std::size_t seeds,
+                            std::string_view option) {
+  const auto found = std::ranges::find_if(
+      intervals, [](const MeanInterval& interval) { return IsOfTooFew(interval, interval.mean); });
+  return found == intervals.end() ? "" : TooFewText(*found, seeds, option);
+}
+
 std::string IntervalText(const MeanInterval& interval) {
   if (std::isnan(interval.mean)) return "-";
-  if (std::isnan(interval.high)) return fmt::format("{:.3g}", interval.mean);
-  return fmt::format("{:.3g}±{:.2g}", interval.mean, interval.high - interval.mean);
+  const double half = ShownInterval(interval, interval.mean).high - interval.mean;
+  if (std::isnan(half)) return Short(interval.mean);
+  if (half == 0.0) return Short(interval.mean) + "±0";
+  // Digits behind the point of so many leading digits.
+  const auto decimals_of = [](double value, int digits) {
+    constexpr int kMost = 9;
+    return value == 0.0
+               ? kMost
+               : std::clamp(digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))),
+                            0, kMost);
+  };
+  const int decimals = std::min(decimals_of(interval.mean, 3), decimals_of(half, 2));
+  const double step = std::pow(10.0, -decimals);
+  const double mean = std::round(interval.mean / step) * step;
+  return fmt::format("{:.{}f}±{:.{}f}", mean == 0.0 ? 0.0 : mean, decimals, std::max(half, step),
+                     decimals);
 }
 
 ResultCell CellOf(const MeanInterval& interval) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/base/json.h"
@@ -31,7 +33,23 @@ std::vector<ResultColumn> MetricColumns(const std::vector<std::size_t>& metrics,
 ResultColumn DifferenceColumn(const std::string& key, const std::string& heading,
                               const std::string& verdict = {});
 
-/// A mean and half of its interval, `4.96±0.12`; "-" where there is none.
+/// True if people get no interval: it has at most three replicates (of two Student's t is 12.7) and
+/// is wider to each side than `size`, the value that it belongs to or the score that it is a
+/// difference of.
+bool IsOfTooFew(const MeanInterval& interval, double size);
+/// As people get it: without limits where it IsOfTooFew().
+MeanInterval ShownInterval(MeanInterval interval, double size);
+/// "2 seeds: too few for some intervals, use --seeds 8.": of an interval that IsOfTooFew().
+/// `option` gives more of the `seeds`.
+std::string TooFewText(const MeanInterval& few, std::size_t seeds,
+                       std::string_view option = "--seeds 8");
+/// The same of the first that IsOfTooFew() for its own mean; empty without one.
+std::string TooFewTextIfAny(const std::vector<MeanInterval>& intervals, std::size_t seeds,
+                            std::string_view option = "--seeds 8");
+
+/// A mean and half of its interval, `4.96±0.12`, with no more than three digits of the mean and two
+/// of the half, which is never 0 for a width above 0; without the half where ShownInterval() has
+/// none, "-" where there is no mean.
 std::string IntervalText(const MeanInterval& interval);
 ResultCell CellOf(const MeanInterval& interval);
 /// `verdict`: also the text for people.

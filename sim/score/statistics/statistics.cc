@@ -85,6 +85,7 @@ std::vector<double> Differences(std::span<const double> first, std::span<const d
 MeanInterval MeanEstimate::IntervalAt(double level) const {
   MeanInterval interval{.mean = mean, .count = count, .level = level, .motion_share = motion_share};
   if (std::isnan(standard_error)) return interval;
+  interval.degrees_of_freedom = degrees_of_freedom;
   const double half_width =
       standard_error > 0.0 ? StudentHalfWidth(level, degrees_of_freedom) * standard_error : 0.0;
   interval.low = mean - half_width;

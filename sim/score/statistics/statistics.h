@@ -18,6 +18,7 @@ struct MeanInterval {
   /// Share of the variance of a single value that comes from the motion, see EstimateMean(). The
   /// rest comes from noise. NaN: the two are not separable.
   double motion_share = controller::kNaN;
+  double degrees_of_freedom = controller::kNaN;  // of the interval; NaN: not known
 };
 
 /// A mean before its interval has a level.

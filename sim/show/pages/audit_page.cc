@@ -123,25 +123,58 @@ std::string FigureOf(const Audit& audit, const AuditedPart& part) {
                      EscapeHtml(caption));
 }
 
+std::vector<HeadNumber> NumbersOf(const Audit& audit) {
+  std::vector<double> delays_ms;
+  std::size_t targets = 0, faulty = 0;
+  for (const AuditedPart& part : audit.parts) {
+    if (part.is_target()) ++targets;
+    if (!part.faults.empty()) ++faulty;
+    if (std::isfinite(part.delay_ms.value)) delays_ms.push_back(part.delay_ms.value);
+  }
+  const auto of_parts = [&](std::size_t count) {
+    return fmt::format("{} of {}", count, audit.parts.size());
+  };
+  std::vector<HeadNumber> numbers = {
+      {.name = "parts with targets",
+       .value = of_parts(targets),
+       .judgement = targets == audit.parts.size() ? Judgement::kBetter : Judgement::kWorse},
+      {.name = "parts with a fault",
+       .value = of_parts(faulty),
+       .judgement = faulty == 0 ? Judgement::kBetter : Judgement::kWorse}};
+  if (!delays_ms.empty()) {
+    numbers.push_back({.name = "delay",
+                       .value = RangeText(delays_ms, 0) + " ms",
+                       .note = "angle behind its command"});
+  }
+  return numbers;
+}
+
 }  // namespace
 
 std::string AuditPage(const Audit& audit) {
-  std::string verdict;
-  const Verdict all = VerdictOf(audit, "below");
-  for (const std::string& sentence : all.Answer()) verdict += sentence + " ";
-  for (const std::string& doubt : all.Doubts()) verdict += "Warning: " + doubt + " ";
+  PageHead head{
+      .kind = "Gauntlet audit",
+      .title = audit.name,
+      .question = "What are the commands, and how large are delay and offset of each part?",
+      .numbers = NumbersOf(audit),
+      .facts = fmt::format("{} part{} · {}", audit.parts.size(), audit.parts.size() == 1 ? "" : "s",
+                           ExtentText(audit))};
+  SetAnswer(VerdictOf(audit, "below"), head);
   std::string sections;
   if (const std::string delays = DelaySvg(audit); !delays.empty()) {
     sections += PageSection("delays", "Delay",
                             "Dot and line: mean and its 95 % confidence interval. Band: from the "
                             "5th to the 95th percentile over the data set.",
-                            "<div class=\"pair\">" + delays + "</div>");
+                            "<div class=\"pair\">" + delays + "</div>", SectionWidth::kHalf);
   }
   if (audit.episodes.size() > 1) {
     const auto add = [&](const char* id, const std::string& title, const std::string& text,
                          const std::string& map) {
       if (map.empty()) return;
-      sections += PageSection(id, title, text, ScrolledDrawing(map, title));
+      constexpr std::size_t kMostInHalf = 8;
+      sections += PageSection(
+          id, title, text, ScrolledDrawing(map, title),
+          audit.episodes.size() <= kMostInHalf ? SectionWidth::kHalf : SectionWidth::kAll);
     };
     const double percent = 100.0 * kOffsetOfTravel;
     add("offsets", "Offset by episode",
@@ -188,16 +221,10 @@ std::string AuditPage(const Audit& audit) {
   sections += PageSection("parts", "Largest errors",
                           "The stretch in which each angle is farthest from its command.",
                           "<div class=\"pair\">" + figures + "</div>");
-  return PlainPage(
-      {.kind = "Gauntlet audit",
-       .title = audit.name,
-       .question = "What are the commands, and how large are delay and offset of each part?",
-       .verdict = verdict,
-       .facts = fmt::format("{} part{} · {}", audit.parts.size(),
-                            audit.parts.size() == 1 ? "" : "s", ExtentText(audit)),
-       .heading = "Result",
-       .table = HtmlOf(AuditFindings(audit)),
-       .sections = sections});
+  return PlainPage({.head = std::move(head),
+                    .heading = "Result",
+                    .table = HtmlOf(AuditFindings(audit)),
+                    .sections = sections});
 }
 
 }  // namespace gauntlet::sim

@@ -51,6 +51,8 @@ std::vector<HeatMap> CellPoints::HeatMaps() const {
   for (const Pair& pair : pairs_) {
     if (pair.best.empty()) continue;
     HeatMap& map = maps.emplace_back();
+    map.x = pair.x;
+    map.y = pair.y;
     map.x_name = axes_[pair.x].name;
     map.y_name = axes_[pair.y].name;
     map.score = std::string(Metrics()[best_by_].key);

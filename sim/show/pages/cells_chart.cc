@@ -122,6 +122,61 @@ double ChartAxis::PlaceOf(const std::string& value) const {
   return PlaceOf(controller::ParseNumber(value).value_or(controller::kNaN));
 }
 
+double HeatMap::FilledShare() const {
+  const auto filled = std::ranges::count_if(best, [](double value) { return !std::isnan(value); });
+  return static_cast<double>(filled) / static_cast<double>(std::max<std::size_t>(best.size(), 1));
+}
+
+std::string ScatterSvg(const std::vector<ChartAxis>& axes, std::size_t x, std::size_t y,
+                       const std::vector<ChartPoint>& points, const std::vector<double>& shares) {
+  constexpr std::size_t kMostLabels = 6;
+  Figure figure{460.0, 330.0, "heat-map scatter",
+                fmt::format("Settings tried, over {} and {}", axes[x].name, axes[y].name)};
+  FigureLayout layout = kHeatLayout;
+  layout.right = 24.0;
+  const FigureBox area = figure.Inside(layout);
+  const auto place = [](double share, double low, double high) {
+    constexpr double kMargin = 0.04;
+    return low + (kMargin + (1.0 - 2.0 * kMargin) * share) * (high - low);
+  };
+  const auto each_label = [&](const ChartAxis& axis, const auto& add) {
+    std::vector<std::string> labels = axis.labels;
+    if (labels.empty()) {
+      const double middle =
+          axis.log ? std::sqrt(axis.low * axis.high) : 0.5 * (axis.low + axis.high);
+      for (const double value : {axis.low, middle, axis.high}) {
+        labels.push_back(fmt::format("{:.3g}", value));
+      }
+    }
+    const std::size_t every = (labels.size() + kMostLabels - 1) / kMostLabels;
+    for (std::size_t i = 0; i < labels.size(); i += every) {
+      add(labels.size() < 2 ? 0.5 : static_cast<double>(i) / static_cast<double>(labels.size() - 1),
+          labels[i]);
+    }
+  };
+  figure.Text({0.0, layout.top - 14.0}, Anchor::kStart, axes[y].name, {"name"});
+  figure.Line({area.left, area.bottom}, {area.right, area.bottom}, {"axis"});
+  figure.Line({area.left, area.top}, {area.left, area.bottom}, {"axis"});
+  each_label(axes[x], [&](double share, const std::string& label) {
+    figure.Text({place(share, area.left, area.right), area.bottom + kHeatLayout.tick_drop},
+                Anchor::kMiddle, label);
+  });
+  each_label(axes[y], [&](double share, const std::string& label) {
+    figure.Text({area.left - kHeatLayout.tick_gap,
+                 place(share, area.bottom, area.top) + kHeatLayout.baseline},
+                Anchor::kEnd, FittedText(label, area.left - 2.0 * kHeatLayout.tick_gap));
+  });
+  for (std::size_t i = points.size(); i-- > 0;) {  // the best last, over the others
+    const double across = points[i].places[x], up = points[i].places[y];
+    if (std::isnan(across) || std::isnan(up) || std::isnan(shares[i])) continue;
+    figure.Dot(
+        {place(across, area.left, area.right), place(up, area.bottom, area.top)}, 6.0,
+        InkOfPoint(i, points[i].faint ? "cell faint" : "cell", ShareStyle(0.1 + 0.8 * shares[i])));
+  }
+  figure.Text({area.centre().x, figure.height_px - 8.0}, Anchor::kMiddle, axes[x].name, {"name"});
+  return SvgOf(figure);
+}
+
 std::string HeatMapSvg(const HeatMap& map) {
   const auto columns = static_cast<double>(map.x_labels.size());
   const auto rows = static_cast<double>(map.y_labels.size());

@@ -42,16 +42,22 @@ struct LimitScale {
 
 /// The best of a score over a grid of two settings.
 struct HeatMap {
+  std::size_t x = 0, y = 0;  // the settings, among the axes
   std::string x_name, y_name, score;
   std::vector<std::string> x_labels, y_labels;
   std::vector<double> best;         // y by x; NaN: nothing there
   std::vector<std::size_t> points;  // whose; kNoPoint where it is not among the page's
   bool lower_is_better = true;
   std::optional<LimitScale> scale = {};  // none: from the lowest value to the highest
+
+  double FilledShare() const;
 };
 inline constexpr std::size_t kNoPoint = static_cast<std::size_t>(-1);
 
 std::string HeatMapSvg(const HeatMap& map);
+/// The points over two of their axes, coloured by `shares`: 0 best, 1 worst, NaN none.
+std::string ScatterSvg(const std::vector<ChartAxis>& axes, std::size_t x, std::size_t y,
+                       const std::vector<ChartPoint>& points, const std::vector<double>& shares);
 std::string ParallelSvg(const std::vector<ChartAxis>& axes, const std::vector<ChartPoint>& points);
 
 }  // namespace gauntlet::sim

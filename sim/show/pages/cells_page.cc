@@ -9,6 +9,7 @@
 #include "sim/base/chart_scale.h"
 #include "sim/base/json.h"
 #include "sim/results/html_text.h"
+#include "sim/score/statistics/result_cells.h"
 #include "sim/show/figure/palette.h"
 #include "sim/show/pages/assets.h"
 #include "sim/show/pages/front_chart.h"
@@ -16,8 +17,9 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::size_t kMostScores = 4;   // of parallel coordinates
-constexpr std::size_t kMostLabels = 40;  // of a heat map's side: more values are binned
+constexpr std::size_t kMostScores = 4;          // of parallel coordinates
+constexpr std::size_t kMostColumnsInHalf = 10;  // of a heat map
+constexpr std::size_t kMostLabels = 40;         // of a heat map's side: more values are binned
 
 /// The scores that are drawn: the one that decides, then the others.
 std::vector<std::size_t> DrawnScores(const CellPoints& gathered) {
@@ -33,21 +35,54 @@ std::vector<std::size_t> DrawnScores(const CellPoints& gathered) {
   return places;
 }
 
-std::string HeatSection(const CellPoints& gathered) {
+/// Badness of the points in the score that decides: 0 best, 1 worst of those that keep all bounds;
+/// NaN without a score.
+std::vector<double> SharesOf(const CellPoints& gathered) {
+  const auto place = std::ranges::find(gathered.metrics(), gathered.best_by());
+  const auto m = static_cast<std::size_t>(place - gathered.metrics().begin());
+  Extent range;
+  for (const CellPoints::Kept& kept : gathered.kept()) {
+    if (kept.point.keeps_bounds) range.Include(kept.point.scores[m]);
+  }
+  std::vector<double> shares;
+  for (const CellPoints::Kept& kept : gathered.kept()) {
+    const double share = std::clamp(range.Share(kept.point.scores[m]), 0.0, 1.0);
+    shares.push_back(Metrics()[gathered.best_by()].lower_is_better ? share : 1.0 - share);
+  }
+  return shares;
+}
+
+std::string HeatSection(const CellPoints& gathered, const std::vector<ChartAxis>& axes,
+                        const std::vector<ChartPoint>& points) {
+  constexpr double kMostlyFilled = 0.5;  // a map with more holes shows what was not tried
   std::string drawings;
+  std::size_t most_columns = 0;
+  bool has_points = false;
   for (const HeatMap& map : gathered.HeatMaps()) {
-    drawings += fmt::format("<figure class=\"heat-figure\" data-name=\"{} and {}\">{}</figure>\n",
-                            EscapeHtml(map.x_name), EscapeHtml(map.y_name),
-                            ScrolledDrawing(HeatMapSvg(map), "Heat map"));
+    const bool is_map = map.FilledShare() > kMostlyFilled;
+    if (is_map) most_columns = std::max(most_columns, map.x_labels.size());
+    has_points |= !is_map;
+    drawings += fmt::format(
+        "<figure class=\"heat-figure\" data-name=\"{} and {}\">{}</figure>\n",
+        EscapeHtml(map.x_name), EscapeHtml(map.y_name),
+        ScrolledDrawing(
+            is_map ? HeatMapSvg(map) : ScatterSvg(axes, map.x, map.y, points, SharesOf(gathered)),
+            is_map ? "Heat map" : "Settings tried"));
   }
   if (drawings.empty()) return "";
-  return PageSection(
-      "heat", "Two settings at a time",
-      fmt::format("The best {} over all other settings, of what keeps all bounds. Darker: worse.",
-                  Metrics()[gathered.best_by()].key),
-      "<p class=\"controls\" id=\"heat-controls\" hidden><label "
-      "for=\"heat-pair\">Settings</label> <select id=\"heat-pair\"></select></p>\n" +
-          drawings);
+  const std::string score = ScoreName(gathered.best_by());
+  std::string note;
+  if (most_columns > 0) {
+    note = fmt::format("The best {} over all other settings, of what keeps all bounds. ", score);
+  }
+  if (has_points) note += "A dot is a setting tried; pale: breaks a bound. ";
+  return PageSection("heat", "Two settings at a time",
+                     note + fmt::format("Darker: worse {}.", score),
+                     "<p class=\"controls\" id=\"heat-controls\" hidden><label "
+                     "for=\"heat-pair\">Settings</label> <select "
+                     "id=\"heat-pair\"></select></p>\n" +
+                         drawings,
+                     most_columns <= kMostColumnsInHalf ? SectionWidth::kHalf : SectionWidth::kAll);
 }
 
 /// The axes of the settings, then one for each drawn score, from its lowest to its highest value.
@@ -104,9 +139,18 @@ Json PointJson(const CellPoints& gathered, const CellPoint& kept, const ChartPoi
 
 std::string Sections(const CellPoints& gathered, const CellsPageTexts& texts,
                      const std::vector<ChartAxis>& axes, const std::vector<ChartPoint>& points) {
-  std::string sections = texts.first_sections;
-  if (texts.heat) sections += HeatSection(gathered);
+  std::string sections;
+  // Beside the result, then the pictures of the command, then those of all settings.
+  if (const std::string front = texts.front ? FrontSvg(points) : ""; !front.empty()) {
+    sections +=
+        PageSection("front", "Jitter against delay",
+                    "Nearer to the lower left corner is better. Dotted: Pareto front of the means.",
+                    front, SectionWidth::kHalf);
+  }
+  sections += texts.first_sections;
+  if (texts.heat) sections += HeatSection(gathered, axes, points);
   if (!points.empty()) {
+    constexpr std::size_t kMostInHalf = 6;
     sections += PageSection(
         "parallel", "All settings at once",
         "A line is one setting with its scores; the first tenth of the list is drawn over the "
@@ -115,25 +159,31 @@ std::string Sections(const CellPoints& gathered, const CellsPageTexts& texts,
         "to let go. Press a line for its settings.</span>",
         "<p class=\"controls needs-script\"><span id=\"brushed\" role=\"status\"></span> <button "
         "type=\"button\" id=\"brush-none\" hidden>All</button></p>\n" +
-            ScrolledDrawing(ParallelSvg(axes, points), "Parallel coordinates"));
-  }
-  if (const std::string front = texts.front ? FrontSvg(points) : ""; !front.empty()) {
-    sections +=
-        PageSection("front", "Jitter against delay",
-                    "Nearer to the lower left corner is better; the line joins what nothing "
-                    "else is better than in both means.",
-                    front);
+            ScrolledDrawing(ParallelSvg(axes, points), "Parallel coordinates"),
+        axes.size() <= kMostInHalf ? SectionWidth::kHalf : SectionWidth::kAll);
   }
   return sections;
 }
 
+/// True if a table of the text needs more than half of a wide page.
+bool IsWide(const ResultText& text) {
+  constexpr std::ptrdiff_t kMostColumns = 7;
+  return std::ranges::any_of(text, [](const auto& part) {
+    const auto* table = std::get_if<ResultTable>(&part);
+    return table != nullptr &&
+           std::ranges::count_if(table->columns, [](const ResultColumn& column) {
+             return !column.heading.empty();
+           }) > kMostColumns;
+  });
+}
+
 std::string FactsOf(const CellPoints& gathered, const CellsPageTexts& texts) {
   const std::int64_t shown = std::ssize(gathered.kept());
-  if (shown == gathered.seen()) return texts.facts;
+  if (shown == gathered.seen()) return texts.head.facts;
   return fmt::format(
       "{} · pictures have {} of {} settings: the best {} and every n-th of the rest; heat maps "
       "have all",
-      texts.facts, shown, gathered.seen(), kPagePoints / 2);
+      texts.head.facts, shown, gathered.seen(), kPagePoints / 2);
 }
 
 }  // namespace
@@ -145,11 +195,12 @@ std::string ScrolledDrawing(const std::string& drawing, const std::string& label
 }
 
 std::string PageSection(const std::string& id, const std::string& title, const std::string& note,
-                        const std::string& drawing) {
+                        const std::string& drawing, SectionWidth width) {
   return fmt::format(
-      "<section id=\"{0}\" aria-labelledby=\"{0}-title\">\n<h2 id=\"{0}-title\">{1}</h2>\n"
-      "<p class=\"note\">{2}</p>\n{3}</section>\n",
-      id, title, note, drawing);
+      "<section id=\"{0}\"{1} aria-labelledby=\"{0}-title\">\n<h2 id=\"{0}-title\">{2}</h2>\n"
+      "{3}{4}</section>\n",
+      id, width == SectionWidth::kAll ? " class=\"wide\"" : "", title,
+      note.empty() ? "" : fmt::format("<p class=\"note\">{}</p>\n", note), drawing);
 }
 
 ChartAxis ChartAxisOf(const SweepAxis& setting, const std::string& name, bool grid) {
@@ -168,6 +219,10 @@ ChartAxis ChartAxisOf(const SweepAxis& setting, const std::string& name, bool gr
   return axis;
 }
 
+ResultText TextBehindAnswer(const ResultText& text) {
+  return {text.begin() + std::min<std::ptrdiff_t>(2, std::ssize(text)), text.end()};
+}
+
 std::string CellsPage(const CellPoints& gathered, const CellsPageTexts& texts) {
   const std::vector<std::size_t> scores = DrawnScores(gathered);
   const std::vector<ChartAxis> axes = AxesOf(gathered, scores);
@@ -177,15 +232,22 @@ std::string CellsPage(const CellPoints& gathered, const CellsPageTexts& texts) {
     data.push_back(PointJson(gathered, gathered.kept()[i].point, points[i]));
   }
   const CellPoint first = points.empty() ? CellPoint{} : gathered.kept().front().point;
+  PageHead head = texts.head;
+  head.facts = FactsOf(gathered, texts);
+  const std::string details =
+      texts.details.empty()
+          ? ""
+          : PageSection("details", "All numbers", "",
+                        "<div class=\"flow\">" + HtmlOf(texts.details) + "</div>\n");
   return FillTemplate(
       assets::kCellsHtml,
-      {{"kind", texts.kind},
-       {"title", EscapeHtml(texts.title)},
-       {"question", EscapeHtml(texts.question)},
-       {"facts", EscapeHtml(FactsOf(gathered, texts))},
-       {"verdict", EscapeHtml(texts.verdict)},
-       {"table", HtmlOf(ResultText(texts.text.begin() + 2, texts.text.end()))},
+      {{"kind", EscapeHtml(head.kind)},
+       {"title", EscapeHtml(head.title)},
+       {"head", HtmlOf(head)},
+       {"table_class", IsWide(texts.text) ? " class=\"wide\"" : ""},
+       {"table", HtmlOf(TextBehindAnswer(texts.text))},
        {"sections", Sections(gathered, texts, axes, points)},
+       {"details", details},
        {"name", EscapeHtml(first.name)},
        {"yaml", EscapeHtml(first.yaml)},
        {"command", EscapeHtml(first.command)},

@@ -6,6 +6,7 @@
 #include "sim/answers/sweep/sweep_result.h"
 #include "sim/results/table_text.h"
 #include "sim/show/pages/cell_points.h"
+#include "sim/show/pages/headline.h"
 
 namespace gauntlet::sim {
 
@@ -16,26 +17,29 @@ namespace gauntlet::sim {
 
 /// Texts of a page besides its points.
 struct CellsPageTexts {
-  std::string kind;  // "sweep"
-  std::string title;
-  std::string question;
-  std::string facts;
-  std::string verdict;
-  ResultText text;                  // without its first part, which is the title
+  PageHead head;
+  ResultText text;  // as the terminal has it: title and answer, which stand in the head, first
+  ResultText details = {};          // at the end, without such a beginning
   std::string first_sections = {};  // HTML of pictures before the others
   std::string command_folder = "the folder where the study was run";  // where commands find files
   bool heat = true;
   bool front = true;
 };
 
+/// A text without its title and answer.
+ResultText TextBehindAnswer(const ResultText& text);
+
 /// `points`: finished.
 std::string CellsPage(const CellPoints& points, const CellsPageTexts& texts);
 
 /// Something wide that scrolls by itself; `label` says what it is.
 std::string ScrolledDrawing(const std::string& drawing, const std::string& label);
+/// Share of the page's width that a section has where the page is wide.
+enum class SectionWidth { kHalf, kAll };
+
 /// A section of the page; `title` and `note` are HTML, as is `drawing`.
 std::string PageSection(const std::string& id, const std::string& title, const std::string& note,
-                        const std::string& drawing);
+                        const std::string& drawing, SectionWidth width = SectionWidth::kAll);
 
 /// An axis of a study file, or a free setting of tuning, with a name of its own.
 ChartAxis ChartAxisOf(const SweepAxis& setting, const std::string& name, bool grid);

@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
+#include <utility>
 
 #include "sim/fit/chain_tables.h"
+#include "sim/fit/fit_tables.h"
 #include "sim/results/html_text.h"
 #include "sim/show/pages/cells_page.h"
 #include "sim/show/pages/plain_page.h"
@@ -17,7 +18,6 @@ namespace gauntlet::sim {
 namespace {
 
 constexpr double kShown_s = 5.0;
-constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 std::vector<double> ValuesOf(const Signal& signal, std::size_t part) {
   const auto column = signal.col(static_cast<Eigen::Index>(part));
@@ -103,39 +103,38 @@ std::string NameOf(const ChainLog& log) {
   return (file.filename() == "trace.h5" ? file.parent_path().filename() : file.stem()).string();
 }
 
-std::string ChainVerdict(const std::vector<ChainFit>& fits, const std::string& unit) {
-  int limited = 0;
-  double low_ms = kEndless;
-  double high_ms = -kEndless;
-  double least_deg = kEndless;
-  double most_deg = -kEndless;
+/// Range of the finite ones, as a number of the head; none without any.
+void AddRange(const std::string& name, std::vector<double> values, int digits,
+              const std::string& unit, const std::string& note, std::vector<HeadNumber>& numbers) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  if (values.empty()) return;
+  numbers.push_back({.name = name, .value = RangeText(values, digits) + " " + unit, .note = note});
+}
+
+std::vector<HeadNumber> NumbersOf(const std::vector<ChainFit>& fits, const std::string& unit) {
+  std::vector<double> delays_ms, residuals_deg;
+  std::size_t limited = 0;
   for (const ChainFit& fit : fits) {
     if (!fit.problem.empty()) continue;
-    if (std::isfinite(fit.delay_ms.value)) {
-      low_ms = std::min(low_ms, fit.delay_ms.value);
-      high_ms = std::max(high_ms, fit.delay_ms.value);
-    }
+    delays_ms.push_back(fit.delay_ms.value);
     if (std::isfinite(fit.speed_limit_deg_s.value)) ++limited;
-    if (!fit.split_problem.empty()) continue;
-    least_deg = std::min(least_deg, fit.held_out_rms_deg);
-    most_deg = std::max(most_deg, fit.held_out_rms_deg);
+    if (fit.split_problem.empty()) residuals_deg.push_back(fit.held_out_rms_deg);
   }
-  std::string text = std::isfinite(low_ms)
-                         ? fmt::format("Delay {:.0f} to {:.0f} ms.", low_ms, high_ms)
-                         : "The delay depends on the size of the motion.";
-  if (limited > 0)
-    text += fmt::format(" The speed of {} of {} parts is limited.", limited, fits.size());
-  if (std::isfinite(most_deg)) {
-    text +=
-        fmt::format(" Residual of the model in held-out parts of the log: {:.2f} to {:.2f} {} RMS.",
-                    least_deg, most_deg, unit);
+  std::vector<HeadNumber> numbers;
+  AddRange("delay", delays_ms, 0, "ms", "angle behind its command", numbers);
+  AddRange("residual of the model", residuals_deg, 2, unit + " RMS", "in held-out parts of the log",
+           numbers);
+  if (limited > 0) {
+    numbers.push_back({.name = "parts with a limited speed",
+                       .value = fmt::format("{} of {}", limited, fits.size())});
   }
-  return text;
+  return numbers;
 }
 
 }  // namespace
 
-std::string ChainPage(const ChainResult& result) {
+std::string ChainPage(const ChainResult& result, const IdentifiedChain& chain,
+                      const std::string& file) {
   const ChainLog& log = result.log();
   const std::vector<ChainFit>& fits = result.fits;
   std::string figures;
@@ -157,12 +156,14 @@ std::string ChainPage(const ChainResult& result) {
           : "Both follow the same command. A difference is motion that the fitted model does not "
             "contain, such as a contact or a motor at its torque limit.",
       figures);
-  return PlainPage({.kind = "Gauntlet identify",
-                    .title = NameOf(log),
-                    .question = "How large is the delay of each joint behind its command, and why?",
-                    .verdict = ChainVerdict(fits, log.unit_known ? "deg" : "units"),
-                    .facts = fmt::format("{} part{} · {}", log.parts.size(),
-                                         log.parts.size() == 1 ? "" : "s", ExtentText(result)),
+  PageHead head{.kind = "Gauntlet identify",
+                .title = NameOf(log),
+                .question = "How large is the delay of each joint behind its command, and why?",
+                .numbers = NumbersOf(fits, log.unit_known ? "deg" : "units"),
+                .facts = fmt::format("{} part{} · {}", log.parts.size(),
+                                     log.parts.size() == 1 ? "" : "s", ExtentText(result))};
+  SetAnswer(VerdictOf(result, chain, file), head);
+  return PlainPage({.head = std::move(head),
                     .heading = "Result",
                     .table = HtmlOf(ChainText(result)),
                     .sections = sections});

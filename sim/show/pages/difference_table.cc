@@ -132,12 +132,23 @@ std::string AnswerOf(const StudyDifference& difference, const std::vector<ScoreD
 
 }  // namespace
 
+std::vector<ScoreDifference> LargestFirst(const StudyDifference& difference) {
+  std::vector<ScoreDifference> scores = difference.scores;
+  std::ranges::stable_sort(scores, std::ranges::greater(), Importance);
+  return scores;
+}
+
+std::string DifferenceAnswer(const StudyFolder& a, const StudyFolder& b,
+                             const StudyDifference& difference) {
+  return AnswerOf(difference, LargestFirst(difference), OfCommonSeeds(a, b, difference));
+}
+
 ResultText DifferenceText(const StudyFolder& a, const StudyFolder& b,
                           const StudyDifference& difference, const DifferenceDetail& detail) {
   const std::string of_seeds = OfCommonSeeds(a, b, difference);
   StudyDifference shown = difference;
-  std::ranges::stable_sort(shown.scores, std::ranges::greater(), Importance);
-  ResultText text = {AnswerOf(difference, shown.scores, of_seeds)};
+  shown.scores = LargestFirst(difference);
+  ResultText text = {DifferenceAnswer(a, b, difference)};
   const bool is_short = !detail.verbose && !detail.all;
   AddSettings("Settings, A -> B:", difference.settings, detail.verbose ? kAll : 4, text);
   if (detail.verbose) AddSettings("Versions, A -> B:", difference.versions, kAll, text);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "sim/score/statistics/result_cells.h"
 #include "sim/show/pages/controller_rows.h"
 
 namespace gauntlet::sim {
@@ -124,7 +125,8 @@ std::string CausesText(const Summary& summary) {
       errors, {}, [&](const SwitchedError& error) { return value(*found, error.metric).mean; });
   std::string text;
   for (const SwitchedError& error : errors) {
-    const MeanInterval& without = value(*found, error.metric);
+    const MeanInterval own = value(*found, error.metric);
+    const MeanInterval without = ShownInterval(own, own.mean);
     text += fmt::format("{}without {}: {:.2f}", text.empty() ? "" : "; ", error.name, without.mean);
     if (std::isfinite(without.low)) text += fmt::format(" ±{:.2f}", without.high - without.mean);
     if (&error == &errors.front()) text += fmt::format(" deg in place of {:.2f}", all_deg);

@@ -15,7 +15,10 @@
 #include "sim/score/no_score.h"
 #include "sim/score/priority.h"
 #include "sim/score/statistics/result_cells.h"
+#include "sim/show/figure/palette.h"
+#include "sim/show/figure/panel.h"
 #include "sim/show/pages/cells_page.h"
+#include "sim/show/pages/difference_table.h"
 #include "sim/show/pages/plain_page.h"
 
 namespace gauntlet::sim {
@@ -115,6 +118,76 @@ ResultTable ScoresTable(const std::vector<StudyFolder>& folders,
   return table;
 }
 
+/// A row of each controller, a dot of each folder, joined in their order.
+std::string ScoresSvg(const std::vector<StudyFolder>& folders, std::size_t metric) {
+  constexpr double kEach = 30.0, kFirst = 10.0, kLeft = 124.0;
+  const std::vector<std::string> controllers = ControllersOf(folders);
+  Extent range;
+  range.Include(0.0);
+  for (const std::string& controller : controllers) {
+    for (const StudyFolder& folder : folders) range.Include(MeanOf(folder, controller, metric));
+  }
+  if (!(range.high > range.low)) return "";
+  range.high += 0.06 * (range.high - range.low);
+  const double bottom = kFirst + kEach * static_cast<double>(controllers.size());
+  Figure figure{420.0, bottom + kFigureLayout.bottom, "folders", ScoreName(metric)};
+  const FigureBox area = {kLeft, kFirst - 6.0, figure.width_px - 14.0, bottom};
+  const Panel panel(
+      area, {range, fmt::format("{} [{}]", ScoreName(metric), Metrics()[metric].unit), 5, true},
+      {});
+  panel.AddAxes(figure);
+  for (std::size_t c = 0; c < controllers.size(); ++c) {
+    const double y = kFirst + kEach * (static_cast<double>(c) + 0.5);
+    figure.Text({kLeft - kFigureLayout.tick_gap, y + kFigureLayout.baseline}, Anchor::kEnd,
+                FittedText(controllers[c], kLeft - 2.0 * kFigureLayout.tick_gap), {"name"});
+    std::vector<FigurePoint> places;
+    for (const StudyFolder& folder : folders) {
+      const double mean = MeanOf(folder, controllers[c], metric);
+      places.push_back({std::isfinite(mean) ? panel.X(mean) : kNoScore, y});
+    }
+    figure.Path(places, {.css = "way"});
+    for (std::size_t i = 0; i < folders.size(); ++i) {
+      if (!std::isfinite(places[i].x)) continue;
+      figure.Dot(
+          places[i], 5.0,
+          InkOfSeries(i, "",
+                      fmt::format("{}, {}: {}", controllers[c], folders[i].name,
+                                  ScoreValue(metric, MeanOf(folders[i], controllers[c], metric)))));
+    }
+  }
+  return SvgOf(figure);
+}
+
+std::string LegendOf(const std::vector<std::string>& names) {
+  std::string items;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    items += fmt::format(
+        "<span class=\"item\"><span class=\"dot\" style=\"--colour: {}\"></span>{}</span> ",
+        CssOfSeries(i), EscapeHtml(names[i]));
+  }
+  return fmt::format("<p class=\"legend\">{}</p>\n", items);
+}
+
+/// The three largest changes.
+std::vector<HeadNumber> NumbersOf(const StudyDifference& difference, const std::string& a,
+                                  const std::string& b) {
+  constexpr std::size_t kMost = 3;
+  std::vector<HeadNumber> numbers;
+  for (const ScoreDifference& score : LargestFirst(difference)) {
+    const bool is_better = score.change == ScoreChange::kBetter;
+    if (!is_better && score.change != ScoreChange::kWorse) continue;
+    HeadNumber number = NumberOf(score.metric,
+                                 {.difference = score.difference,
+                                  .judgement = is_better ? Judgement::kBetter : Judgement::kWorse},
+                                 score.b, score.a, a);
+    number.name += " of " + score.controller;
+    number.note = b + " " + number.note;
+    numbers.push_back(std::move(number));
+    if (numbers.size() == kMost) break;
+  }
+  return numbers;
+}
+
 std::string Counted(std::size_t count, const std::string& what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
@@ -137,41 +210,42 @@ std::string KeepCommonSeeds(std::vector<StudyFolder>& folders) {
 std::string FoldersPage(std::vector<StudyFolder> folders) {
   GAUNTLET_ASSERT(folders.size() >= 2);
   std::vector<std::string> names, facts;
+  PageHead head{.kind = "Gauntlet report",
+                .title = fmt::format("{} side by side", Counted(folders.size(), "folder"))};
+  std::string answer;
   for (std::size_t i = 0; i < folders.size(); ++i) {
     names.push_back(folders[i].name);
     facts.push_back(fmt::format("{}: {}, {}", folders[i].name, folders[i].scenario.name,
                                 Counted(folders[i].scores.seeds.size(), "seed")));
+    if (i == 0) continue;
+    const StudyDifference difference = CompareStudies(folders[0], folders[i]);
+    if (folders.size() > 2) answer += fmt::format("{}{}: ", i == 1 ? "" : " ", folders[i].name);
+    answer += DifferenceAnswer(folders[0], folders[i], difference);
+    if (i == 1) head.numbers = NumbersOf(difference, folders[0].name, folders[1].name);
   }
+  SetAnswer(answer, head);
+  head.question = fmt::format("{}", fmt::join(names, ", "));
+  head.facts = fmt::format("{}", fmt::join(facts, " · "));
   const std::string of_seeds = KeepCommonSeeds(folders);
   const std::vector<StudyDifference> differences = DifferencesOf(folders);
   const ResultTable settings = SettingsTable(folders, differences);
-  std::string sections;
+  std::string scores;
   for (const PrimaryScore& score : PrimaryScores()) {
-    const Metric& metric = Metrics()[score.metric];
-    sections += PageSection(
-        std::string(metric.key), fmt::format("{}, {}", ScoreHeading(score.metric), metric.unit),
-        fmt::format("{} Compared with {}: * better, ! worse (95 % confidence interval).", of_seeds,
-                    folders.front().name),
-        HtmlOf(ScoresTable(folders, differences, score.metric)));
+    scores += fmt::format("<figure id=\"{}\">\n<h3>{}, {}</h3>\n{}{}</figure>\n",
+                          Metrics()[score.metric].key, ScoreName(score.metric),
+                          Metrics()[score.metric].unit, ScoresSvg(folders, score.metric),
+                          HtmlOf(ScoresTable(folders, differences, score.metric)));
   }
-  std::string verdict =
-      fmt::format("{} differ between {}.", Counted(settings.rows.size(), "setting"),
-                  Counted(folders.size(), "folder"));
-  if (settings.rows.size() == 1) verdict.replace(verdict.find("differ"), 6, "differs");
-  for (std::size_t i = 1; i < folders.size(); ++i) {
-    verdict += fmt::format(" {}: {} of {} changed against {}.", folders[i].name,
-                           differences[i].ChangedScores(),
-                           Counted(differences[i].scores.size(), "score"), folders.front().name);
-  }
+  const std::string section = PageSection(
+      "scores", "Scores",
+      EscapeHtml(fmt::format("{} Compared with {}: * better, ! worse (95 % confidence interval).",
+                             of_seeds, folders.front().name)),
+      LegendOf(names) + "<div class=\"thirds\">\n" + scores + "</div>\n");
   return PlainPage(
-      {.kind = "Gauntlet report",
-       .title = fmt::format("{} side by side", Counted(folders.size(), "folder")),
-       .question = fmt::format("{}", fmt::join(names, ", ")),
-       .verdict = verdict,
-       .facts = fmt::format("{}", fmt::join(facts, " · ")),
+      {.head = std::move(head),
        .heading = "Settings that differ",
        .table = settings.rows.empty() ? "<p class=\"note\">None.</p>\n" : HtmlOf(settings),
-       .sections = sections});
+       .sections = section});
 }
 
 }  // namespace gauntlet::sim

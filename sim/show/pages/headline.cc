@@ -1,6 +1,7 @@
 #include "sim/show/pages/headline.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include "sim/results/table_text.h"
 #include "sim/score/priority.h"
 #include "sim/score/score.h"
+#include "sim/score/statistics/result_cells.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -47,26 +49,18 @@ class SignedText {
   double factor_;
 };
 
-std::string Item(const Summary& summary, std::size_t metric, std::size_t c, std::size_t baseline) {
-  const Comparison& comparison = summary.Of(metric, c, baseline);
-  const double mean = summary.controllers[c].summary[metric].mean;
-  const double of_baseline = summary.controllers[baseline].summary[metric].mean;
-  const SignedText text(Metrics()[metric], of_baseline);
-  const bool differs =
-      comparison.judgement == Judgement::kBetter || comparison.judgement == Judgement::kWorse;
-  std::string large(JudgementWord(comparison.judgement));
-  std::string interval;
-  if (differs && text.can_be_told()) {
-    large = text.Of(comparison.difference.mean);
-    interval = "; 95 % CI " + text.Between(comparison.difference.low, comparison.difference.high);
-  }
-  const char* kind = !differs                                     ? ""
-                     : comparison.judgement == Judgement::kBetter ? " class=\"good\""
-                                                                  : " class=\"warn\"";
-  return fmt::format("<li{}><span>{}</span> <b>{}</b> <small>{}, {} {} {}{}</small></li>\n", kind,
-                     EscapeHtml(Metrics()[metric].name), large, Short(mean),
-                     EscapeHtml(summary.controllers[baseline].name), Short(of_baseline),
-                     EscapeHtml(Metrics()[metric].unit), interval);
+std::string ItemOf(const HeadNumber& number) {
+  const char* css = number.judgement == Judgement::kBetter  ? " class=\"good\""
+                    : number.judgement == Judgement::kWorse ? " class=\"warn\""
+                                                            : "";
+  const std::string note =
+      number.note.empty() ? "" : fmt::format(" <small>{}</small>", EscapeHtml(number.note));
+  return fmt::format("<li{}><span>{}</span> <b>{}</b>{}</li>\n", css, EscapeHtml(number.name),
+                     EscapeHtml(number.value), note);
+}
+
+std::string Paragraph(const char* css, const std::string& text) {
+  return text.empty() ? "" : fmt::format("<p class=\"{}\">{}</p>\n", css, EscapeHtml(text));
 }
 
 }  // namespace
@@ -81,15 +75,91 @@ std::string Headline(const Summary& summary) {
                           : fmt::format("Use {} in place of {}.", name, baseline);
 }
 
-std::string HeadlineDifferences(const Summary& summary) {
+std::vector<HeadNumber> HeadlineDifferences(const Summary& summary) {
   const std::optional<std::size_t> c = Recommended(summary);
-  if (!c || !summary.baseline || *c == *summary.baseline) return "";
-  std::string items;
-  for (const PrimaryScore& score : PrimaryScores()) {
-    if (summary.Of(score.metric, *c, *summary.baseline).judgement == Judgement::kNone) continue;
-    items += Item(summary, score.metric, *c, *summary.baseline);
+  if (!c || !summary.baseline || *c == *summary.baseline) return {};
+  const ControllerSummary& baseline = summary.controllers[*summary.baseline];
+  std::vector<HeadNumber> numbers;
+  for (const auto& [word, metric] : PrimaryScores()) {
+    const Comparison& comparison = summary.Of(metric, *c, *summary.baseline);
+    if (comparison.judgement == Judgement::kNone) continue;
+    numbers.push_back(NumberOf(metric, comparison, summary.controllers[*c].summary[metric].mean,
+                               baseline.summary[metric].mean, baseline.name));
   }
-  return items.empty() ? "" : fmt::format("<ul class=\"gains\">\n{}</ul>", items);
+  return numbers;
+}
+
+void SetAnswer(const Verdict& verdict, PageHead& head) {
+  head.headline = verdict.Headline();
+  head.answer = fmt::format("{}", fmt::join(verdict.Answer(), " "));
+  if (head.answer.starts_with(head.headline)) {
+    head.answer.erase(0, std::min(head.headline.size() + 1, head.answer.size()));
+  }
+  head.warnings = verdict.Doubts();
+}
+
+void SetAnswer(const std::string& text, PageHead& head) {
+  SetAnswer(Verdict{.reasons = {{.key = "answer", .text = text}}}, head);
+}
+
+HeadNumber NumberOf(std::size_t metric, const MeanInterval& score, const std::string& note) {
+  HeadNumber number{.name = ScoreName(metric), .value = ScoreValue(metric, score.mean)};
+  number.note = note;
+  const MeanInterval shown = ShownInterval(score, score.mean);
+  if (std::isfinite(shown.low) && shown.low < shown.high) {
+    number.note += fmt::format("{}95 % CI {} to {}", note.empty() ? "" : "; ", Short(shown.low),
+                               Short(shown.high));
+  }
+  return number;
+}
+
+std::vector<HeadNumber> NumbersOf(const std::vector<std::size_t>& metrics,
+                                  const std::vector<MeanInterval>& scores,
+                                  const std::string& note) {
+  std::vector<HeadNumber> numbers;
+  for (const auto& [word, metric] : PrimaryScores()) {
+    const auto found = std::ranges::find(metrics, metric);
+    if (found == metrics.end()) continue;
+    const MeanInterval& score = scores[static_cast<std::size_t>(found - metrics.begin())];
+    if (std::isfinite(score.mean)) numbers.push_back(NumberOf(metric, score, note));
+  }
+  if (numbers.empty() && !metrics.empty()) {
+    numbers.push_back(NumberOf(metrics.front(), scores.front(), note));
+  }
+  return numbers;
+}
+
+HeadNumber NumberOf(std::size_t metric, const Comparison& comparison, double value, double baseline,
+                    const std::string& name) {
+  const SignedText text(Metrics()[metric], baseline);
+  const bool differs =
+      comparison.judgement == Judgement::kBetter || comparison.judgement == Judgement::kWorse;
+  HeadNumber number{.name = ScoreName(metric),
+                    .value = std::string(JudgementWord(comparison.judgement)),
+                    .note = fmt::format("{}, {} {} {}", Short(value), name, Short(baseline),
+                                        Metrics()[metric].unit),
+                    .judgement = comparison.judgement};
+  if (differs && text.can_be_told()) {
+    number.value = text.Of(comparison.difference.mean);
+    number.note +=
+        "; 95 % CI " + text.Between(comparison.difference.low, comparison.difference.high);
+  }
+  return number;
+}
+
+std::string HtmlOf(const PageHead& head) {
+  std::string items, warnings;
+  for (const HeadNumber& number : head.numbers) items += ItemOf(number);
+  for (const std::string& warning : head.warnings) warnings += Paragraph("note warn", warning);
+  return fmt::format(
+      "<header>\n{}<h1 id=\"title\">{}</h1>\n{}{}{}{}<ul class=\"problems\" id=\"problems\" "
+      "hidden></ul>\n{}{}</header>\n",
+      Paragraph("kind", head.kind), EscapeHtml(head.title), Paragraph("question", head.question),
+      Paragraph("headline", head.headline),
+      items.empty() ? "" : fmt::format("<ul class=\"gains\">\n{}</ul>\n", items),
+      Paragraph("verdict", head.answer),
+      warnings.empty() ? "" : fmt::format("<div class=\"doubts\">\n{}</div>\n", warnings),
+      Paragraph("facts", head.facts));
 }
 
 }  // namespace gauntlet::sim

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
+#include <utility>
 
 #include "sim/base/text.h"
 #include "sim/recordings/inspect/health.h"
@@ -49,6 +51,21 @@ std::string HealthTable(const Inspection& inspection, const std::vector<HealthFi
          ResultCell::Text(cut == std::string::npos ? "" : finding.sentence.substr(cut + 2))});
   }
   return HtmlOf(table);
+}
+
+std::vector<HeadNumber> NumbersOf(const Inspection& inspection,
+                                  const std::vector<HealthFinding>& findings) {
+  const std::vector<std::size_t> sensors = inspection.Sensors();
+  if (sensors.empty()) return {};
+  std::set<std::size_t> bad;
+  for (const HealthFinding& finding : findings) bad.insert(finding.column);
+  const std::size_t joints = inspection.MappedColumns().size();
+  return {{.name = "sensors without a defect",
+           .value = fmt::format("{} of {}", sensors.size() - std::min(bad.size(), sensors.size()),
+                                sensors.size()),
+           .judgement = bad.empty() ? Judgement::kBetter : Judgement::kWorse},
+          {.name = "joints", .value = fmt::to_string(joints), .note = BasisText(inspection)},
+          {.name = "length", .value = fmt::format("{:.4g} s", inspection.time.duration_s)}};
 }
 
 std::string JointsTable(const Inspection& inspection) {
@@ -104,17 +121,19 @@ std::string InspectionPage(const Inspection& inspection) {
                              : std::string();
   const std::string unit =
       inspection.Sensors().empty() ? "" : fmt::format(", in {}", NameOf(inspection.unit));
-  std::string facts =
+  PageHead head{
+      .kind = "Gauntlet inspect",
+      .title = OneLine(std::filesystem::path(inspection.file).filename().string()),
+      .question = "Are the sensors of this recording sound, and which joints do they measure?",
+      .numbers = NumbersOf(inspection, findings)};
+  SetAnswer(SummaryOf(inspection) + ".", head);
+  if (!inspection.question.empty()) head.warnings = {"Open: " + inspection.question + "."};
+  head.facts =
       fmt::format("{} rows of {} columns · {:.5g} s · joints: {}", inspection.rows,
                   inspection.layout.columns, inspection.time.duration_s, BasisText(inspection));
-  if (const std::string noise = NoiseText(inspection); !noise.empty()) facts += " · " + noise;
+  if (const std::string noise = NoiseText(inspection); !noise.empty()) head.facts += " · " + noise;
   return PlainPage(
-      {.kind = "Gauntlet inspect",
-       .title = OneLine(std::filesystem::path(inspection.file).filename().string()),
-       .question = "Are the sensors of this recording sound, and which joints do they measure?",
-       .verdict = SummaryOf(inspection) + "." +
-                  (inspection.question.empty() ? "" : " Open: " + inspection.question + "."),
-       .facts = facts,
+      {.head = std::move(head),
        .heading = "Health",
        .table = HealthTable(inspection, findings),
        .sections =

@@ -67,7 +67,7 @@ void AddTornadoBar(Figure& figure, const Panel& panel, const TornadoBar& bar,
   }
   const std::string verdict(TornadoVerdict(bar));
   figure.Text({area.right + 8.0, baseline}, Anchor::kStart, verdict,
-              {verdict == "matters" ? verdict : ""});
+              {verdict == "effect" ? verdict : ""});
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "sim/answers/compare/decisive_second.h"
 #include "sim/answers/compare/study_files.h"
 #include "sim/base/json.h"
+#include "sim/score/statistics/result_cells.h"
 #include "sim/show/figure/palette.h"
 #include "sim/show/pages/curve_codec.h"
 #include "sim/show/pages/error_split_table.h"
@@ -29,10 +30,13 @@ Json Estimates(const std::vector<MeanInterval>& estimates) {
   return json;
 }
 
-Json ComparisonsJson(const std::vector<Comparison>& comparisons) {
+/// Differences to the baseline, with the intervals that people get.
+Json ComparisonsJson(const ControllerSummary& controller) {
   Json json = Json::array();
-  for (const Comparison& comparison : comparisons) {
-    json.push_back(JsonOf(comparison, "replicates"));
+  for (std::size_t m = 0; m < controller.to_baseline.size(); ++m) {
+    Comparison shown = controller.to_baseline[m];
+    shown.difference = ShownInterval(shown.difference, controller.summary[m].mean);
+    json.push_back(JsonOf(shown, "replicates"));
   }
   return json;
 }
@@ -79,7 +83,7 @@ Json ControllerJson(const StudyResult& result, const Summary& summary, std::size
   std::string marks;  // one per metric
   for (std::size_t m = 0; m < Metrics().size(); ++m) marks += summary.MarkOf(index, m);
   json["marks"] = marks;
-  json["to_baseline"] = ComparisonsJson(controller.to_baseline);
+  json["to_baseline"] = ComparisonsJson(controller);
   json["effect_size"] = Numbers(controller.effect_size);
   for (const std::vector<double>& row : controller.rows) json["rows"].push_back(Numbers(row));
   return json;
@@ -185,7 +189,7 @@ Json SwitchedJson(const Summary& summary) {
     for (const std::size_t metric : metrics) {
       const MeanInterval& value = controller.summary[metric];
       values.push_back(NumberOrNull(value.mean));
-      margins.push_back(NumberOrNull(value.high - value.mean));
+      margins.push_back(NumberOrNull(ShownInterval(value, value.mean).high - value.mean));
     }
   }
   return json;

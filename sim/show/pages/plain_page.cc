@@ -7,11 +7,9 @@
 namespace gauntlet::sim {
 
 std::string PlainPage(const PlainPageParts& parts) {
-  return FillTemplate(assets::kPlainHtml, {{"kind", EscapeHtml(parts.kind)},
-                                           {"title", EscapeHtml(parts.title)},
-                                           {"question", EscapeHtml(parts.question)},
-                                           {"verdict", EscapeHtml(parts.verdict)},
-                                           {"facts", EscapeHtml(parts.facts)},
+  return FillTemplate(assets::kPlainHtml, {{"kind", EscapeHtml(parts.head.kind)},
+                                           {"title", EscapeHtml(parts.head.title)},
+                                           {"head", HtmlOf(parts.head)},
                                            {"heading", EscapeHtml(parts.heading)},
                                            {"table", parts.table},
                                            {"sections", parts.sections},

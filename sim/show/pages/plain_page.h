@@ -2,15 +2,13 @@
 
 #include <string>
 
+#include "sim/show/pages/headline.h"
+
 namespace gauntlet::sim {
 
-/// A page without scripts: a verdict, a table, and sections with pictures or further tables.
+/// A page without scripts: an answer, a table, and sections with pictures or further tables.
 struct PlainPageParts {
-  std::string kind;
-  std::string title;
-  std::string question;
-  std::string verdict;
-  std::string facts;
+  PageHead head;
   std::string heading;   // of the table
   std::string table;     // HTML
   std::string sections;  // HTML

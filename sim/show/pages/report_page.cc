@@ -256,9 +256,9 @@ std::string VideoSection(const VideoBeside& video) {
       video.exists
           ? "<p class=\"note\">The baseline and the controllers of the verdict, then the second in "
             "which they differ most in slow motion.</p>\n<div id=\"video-place\"><video controls "
-            "muted playsinline preload=\"metadata\" src=\"comparison.mp4\" aria-label=\"The hands "
-            "of "
-            "several controllers side by side\"></video></div>"
+            "muted playsinline preload=\"metadata\" src=\"comparison.mp4\"" +
+                std::string(video.has_poster ? " poster=\"poster.png\"" : "") +
+                " aria-label=\"The hands of several controllers side by side\"></video></div>"
           : "<p class=\"note\">None was drawn with these scores. <code>gauntlet render</code> "
             "draws "
             "comparison.mp4 beside this page.</p>\n<div id=\"video-place\" class=\"needs-script\">"
@@ -270,17 +270,22 @@ std::string VideoSection(const VideoBeside& video) {
       StretchesText(video), inside);
 }
 
+/// The page may also show a picture beside it.
+std::string WithPoster(std::string_view page) {
+  constexpr std::string_view kPictures = "img-src data:";
+  std::string text(page);
+  return text.insert(text.find(kPictures) + kPictures.size(), " 'self' file:");
+}
+
 }  // namespace
 
 std::string AssemblePage(const PageParts& parts) {
   return FillTemplate(
-      assets::kPageHtml,
-      {{"title", EscapeHtml(parts.title)},
-       {"question", EscapeHtml(parts.question)},
+      parts.video.has_poster ? WithPoster(assets::kPageHtml) : std::string(assets::kPageHtml),
+      {{"title", EscapeHtml(parts.head.title)},
+       {"kind", EscapeHtml(parts.head.kind)},
+       {"head", HtmlOf(parts.head)},
        {"facts", EscapeHtml(parts.facts)},
-       {"verdict", EscapeHtml(parts.verdict)},
-       {"headline", EscapeHtml(parts.headline)},
-       {"differences", parts.differences},
        {"numbers", parts.numbers},
        {"doubts", parts.doubts},
        {"answer", parts.answer},
@@ -289,7 +294,6 @@ std::string AssemblePage(const PageParts& parts) {
        {"front", parts.front},
        {"recording", parts.recording},
        {"data", parts.data},
-       {"kind", "Gauntlet report"},
        {"sources", std::string(assets::kScriptSources) + "media-src 'self' file:; "},
        {"style", std::string(assets::kPlotStyle) + PaletteCss() + std::string(assets::kStyle)},
        {"plot_library", std::string(assets::kPlotLibrary)},
@@ -301,12 +305,14 @@ std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) 
   ResultText notes;
   AddAnswerNotes(finished, notes);
   return AssemblePage(
-      {.title = finished.study.scenario.name,
-       .question = finished.study.scenario.question,
+      {.head = {.kind = "Gauntlet report",
+                .title = finished.study.scenario.name,
+                .question = finished.study.scenario.question,
+                .headline = Headline(finished.summary),
+                .numbers = HeadlineDifferences(finished.summary),
+                .answer =
+                    fmt::format("{}", fmt::join(finished.summary.answer.verdict.Answer(), " "))},
        .facts = Facts(finished),
-       .verdict = fmt::format("{}", fmt::join(finished.summary.answer.verdict.Answer(), " ")),
-       .headline = Headline(finished.summary),
-       .differences = HeadlineDifferences(finished.summary),
        .numbers = HtmlOf(ShownText(finished)),
        .doubts = HtmlOf(notes),
        .answer = HtmlOf(AnswerText(finished)),

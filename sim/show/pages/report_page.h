@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sim/answers/compare/summary.h"
+#include "sim/show/pages/headline.h"
 
 namespace gauntlet::sim {
 
@@ -16,7 +17,8 @@ struct VideoBeside {
     double to_s = 0.0;
     double speed = 1.0;
   };
-  bool exists = false;  // it stands, or will stand there
+  bool exists = false;      // it stands, or will stand there
+  bool has_poster = false;  // poster.png as well
   std::vector<Stretch> stretches = {};
 };
 
@@ -28,12 +30,8 @@ std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video);
 
 /// The parts of a page that are made elsewhere.
 struct PageParts {
-  std::string title;
-  std::string question;
-  std::string facts;  // duration, joints, seeds, reference
-  std::string verdict;
-  std::string headline = {};      // the verdict in at most eight words
-  std::string differences = {};   // HTML of the differences to the baseline
+  PageHead head;
+  std::string facts = {};         // duration, joints, seeds, reference
   std::string numbers = {};       // HTML of the scores that the verdict is about
   std::string doubts = {};        // HTML of the warnings of the verdict
   std::string answer = {};        // HTML of the table of all controllers, for pages without scripts

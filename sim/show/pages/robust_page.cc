@@ -2,12 +2,37 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "sim/answers/robust/robust_tables.h"
 #include "sim/answers/sweep/sweep_tables.h"
+#include "sim/score/priority.h"
+#include "sim/score/statistics/result_cells.h"
 #include "sim/show/pages/cells_page.h"
 #include "sim/show/pages/interval_chart.h"
 
 namespace gauntlet::sim {
+namespace {
+
+/// On how many hands the controller of the verdict is best or equivalent, in the primary scores.
+std::vector<HeadNumber> SharesOf(const RobustPlan& plan, const RobustResult& result) {
+  const std::string name = JudgedController(plan, result);
+  std::vector<HeadNumber> numbers;
+  for (const PrimaryScore& primary : PrimaryScores()) {
+    const auto score = std::ranges::find(result.scores, primary.metric, &RobustScore::metric);
+    if (score == result.scores.end()) continue;
+    const auto own = std::ranges::find(score->controllers, name, &RobustController::name);
+    if (own == score->controllers.end()) continue;
+    numbers.push_back(
+        {.name = ScoreName(primary.metric),
+         .value = fmt::format("{} of {} hands", own->near_best.hits, own->near_best.count),
+         .note =
+             fmt::format("{} best or equivalent; 95 % CI {}", name, PercentText(own->near_best))});
+  }
+  return numbers;
+}
+
+}  // namespace
 
 std::string RobustPage(const RobustPlan& plan, SweepDatabase& database,
                        const RobustResult& result) {
@@ -50,13 +75,19 @@ std::string RobustPage(const RobustPlan& plan, SweepDatabase& database,
             plan, score,
             result.nominal.Of(score.metric, score.two_best[0], score.two_best[1]).difference.mean));
   }
+  const ResultText text = RobustText(plan, result, false);
+  const ResultText verbose = RobustText(plan, result, true);
+  PageHead head{.kind = "Gauntlet robust",
+                .title = plan.sweep.file.name,
+                .question = "Does the verdict hold on other hands?",
+                .numbers = SharesOf(plan, result),
+                .facts = fmt::format("{} hands · {} seed{}", plan.hands, plan.sweep.file.seeds,
+                                     plan.sweep.file.seeds == 1 ? "" : "s")};
+  SetAnswer(VerdictOf(plan, result), head);
   return CellsPage(gathered,
-                   {.kind = "Does the verdict hold?",
-                    .title = plan.sweep.file.name,
-                    .question = plan.sweep.file.question,
-                    .facts = HandsText(plan),
-                    .verdict = VerdictOf(plan, result).Text(),
-                    .text = RobustText(plan, result, true),
+                   {.head = std::move(head),
+                    .text = text,
+                    .details = {verbose.begin() + std::ssize(text), verbose.end()},
                     .first_sections = PageSection(
                         "tornado", "Sensitivity",
                         "Difference between the two best controllers of the nominal hand, with one "

@@ -54,11 +54,14 @@ ResultCell CellOf(const Summary& summary, std::size_t controller, std::size_t me
   };
   if (summary.one_run) return cell;
   if (!HasDifferences(summary)) {
-    if (std::isfinite(mean.low)) add_line(fmt::format("±{}", Short(mean.high - mean.mean)));
+    const MeanInterval shown = ShownInterval(mean, mean.mean);
+    if (std::isfinite(shown.low)) add_line(fmt::format("±{}", Short(shown.high - shown.mean)));
     return cell;
   }
   cell.mark = summary.MarkOf(controller, metric);
-  if (!own.to_baseline.empty()) add_line(DifferenceText(own.to_baseline[metric].difference));
+  if (!own.to_baseline.empty()) {
+    add_line(DifferenceText(ShownInterval(own.to_baseline[metric].difference, mean.mean)));
+  }
   return cell;
 }
 
@@ -217,9 +220,24 @@ std::string JointsWithDelay(const FinishedStudy& finished) {
       fewest, most == fewest ? "" : fmt::format(" to {}", most), joints.size());
 }
 
+/// Why some differences, or means without a baseline, are shown without an interval; else empty.
+std::string TooFewText(const Summary& summary, std::size_t seeds) {
+  for (const ControllerSummary& controller : summary.controllers) {
+    for (const std::size_t metric : DetailedMetrics(summary)) {
+      const MeanInterval& mean = controller.summary[metric];
+      const MeanInterval& shown = HasDifferences(summary) && !controller.to_baseline.empty()
+                                      ? controller.to_baseline[metric].difference
+                                      : mean;
+      if (IsOfTooFew(shown, mean.mean)) return TooFewText(shown, seeds);
+    }
+  }
+  return "";
+}
+
 /// Sentences of a table of several seeds about chance.
-std::vector<std::string> NotesOnChance(const Summary& summary) {
+std::vector<std::string> NotesOnChance(const Summary& summary, std::size_t seeds) {
   std::vector<std::string> notes;
+  if (std::string few = TooFewText(summary, seeds); !few.empty()) notes.push_back(std::move(few));
   if (!HasDifferences(summary)) {
     notes.emplace_back("± 95 % confidence interval of the mean.");
   }
@@ -291,7 +309,7 @@ std::string MarkLegend(const Summary& summary) {
 std::vector<std::string> Notes(const FinishedStudy& finished) {
   const Summary& summary = finished.summary;
   std::vector<std::string> notes;
-  if (!summary.one_run) notes = NotesOnChance(summary);
+  if (!summary.one_run) notes = NotesOnChance(summary, finished.result.seeds.size());
   if (std::string joints = JointsWithDelay(finished); !joints.empty()) {
     notes.push_back(std::move(joints));
   }

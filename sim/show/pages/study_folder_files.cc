@@ -18,6 +18,7 @@ VideoBeside VideoOfPage(const FinishedStudy& finished, bool is_drawn) {
   VideoBeside video{.exists = is_drawn};
   std::optional<Excerpt> again;
   if (const auto second = DecisiveSecondOf(finished)) again = SlowMotionOf(*second);
+  video.has_poster = is_drawn && again.has_value();
   for (const VideoStretch& stretch : StretchesOf(
            !finished.study.scenario.question.empty(), finished.result.first_glove->tick_rate_hz,
            finished.result.first_reference_rad.rows(), finished.study.scenario.video.frames_per_s,

@@ -4,6 +4,7 @@
 
 #include "sim/answers/sweep/sweep_tables.h"
 #include "sim/results/html_text.h"
+#include "sim/score/statistics/result_cells.h"
 #include "sim/show/pages/cells_page.h"
 #include "sim/show/pages/interval_chart.h"
 #include "sim/study/scenario/scenario_reader.h"
@@ -59,17 +60,23 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
     });
   });
   gathered.Finish();
-  return CellsPage(
-      gathered, {.kind = "Gauntlet sweep",
-                 .title = plan.file.name,
-                 .question = plan.file.question,
-                 .facts = fmt::format("{} settings · {} seed{} · best by {}{}{}", plan.cell_count(),
-                                      plan.file.seeds, plan.file.seeds == 1 ? "" : "s",
-                                      Metrics()[plan.best_by].key, BoundsText(plan.constraints),
-                                      plan.file.physics ? "" : " · filters only, no hand"),
-                 .verdict = VerdictOf(plan, summary).Text(),
-                 .text = SweepText(plan, summary, response, true),
-                 .first_sections = ResponseSection(plan, response)});
+  PageHead head{.kind = "Gauntlet sweep",
+                .title = plan.file.name,
+                .question = plan.file.question,
+                .facts = fmt::format("{} settings · {} seed{} · best by {}{}{}", plan.cell_count(),
+                                     plan.file.seeds, plan.file.seeds == 1 ? "" : "s",
+                                     ScoreName(plan.best_by), BoundsText(plan.constraints),
+                                     plan.file.physics ? "" : " · filters only, no hand")};
+  const Verdict verdict = VerdictOf(plan, summary);
+  SetAnswer(verdict, head);
+  if (!summary.best.empty()) {
+    head.numbers = NumbersOf(plan.metrics, summary.best.front().scores,
+                             verdict.recommended.empty() ? "best in the mean" : "");
+  }
+  return CellsPage(gathered, {.head = std::move(head),
+                              .text = SweepText(plan, summary, response, false),
+                              .details = {BestCells(plan, summary)},
+                              .first_sections = ResponseSection(plan, response)});
 }
 
 }  // namespace gauntlet::sim

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "sim/answers/sweep/sweep_tables.h"
 #include "sim/answers/tune/tune_tables.h"
+#include "sim/score/statistics/result_cells.h"
 #include "sim/show/pages/cells_page.h"
 #include "sim/show/pages/front_chart.h"
 
@@ -59,6 +61,26 @@ void AddSettings(const TunePlan& plan, std::vector<std::string> sets, CellPoint&
   kept.command = CompareCommand(NameHere(plan.scenario.file), plan.seeds, plan.controller, sets);
 }
 
+/// The primary scores of the chosen setting on the held-out part, beside those before.
+std::vector<HeadNumber> NumbersOf(const TunePlan& plan, const TuneResult& result) {
+  if (!result.problem.empty()) return {};
+  std::vector<HeadNumber> numbers = NumbersOf(result.metrics, result.verdict.scores);
+  if (!result.before.problem.empty()) return numbers;
+  for (HeadNumber& number : numbers) {
+    for (std::size_t m = 0; m < result.metrics.size(); ++m) {
+      const std::size_t metric = result.metrics[m];
+      if (ScoreName(metric) != number.name) continue;
+      const double before = result.before.scores[m].mean;
+      number.note = fmt::format("before {}", ScoreValue(metric, before));
+      if (metric != plan.minimise || !std::isfinite(result.gain.difference.low)) continue;
+      number = NumberOf(metric,
+                        {.difference = result.gain.difference, .judgement = result.gain.judgement},
+                        result.verdict.scores[m].mean, before, "before");
+    }
+  }
+  return numbers;
+}
+
 }  // namespace
 
 std::string TunePage(const TunePlan& plan, const TuneResult& result) {
@@ -89,17 +111,22 @@ std::string TunePage(const TunePlan& plan, const TuneResult& result) {
   }
   gathered.Finish();
   const Metric& metric = Metrics()[plan.minimise];
-  return CellsPage(gathered, {.kind = "Gauntlet tune",
-                              .title = fmt::format("{} of {}", plan.controller,
-                                                   plan.scenario.file.stem().string()),
-                              .question = fmt::format("Which values give the {} {}{}?",
-                                                      metric.lower_is_better ? "least" : "most",
-                                                      metric.key, BoundsText(plan.constraints)),
-                              .facts = fmt::format("{} settings tried on {}{}", result.tried.size(),
-                                                   SplitText(result.split),
-                                                   plan.physics ? "" : " · filters only, no hand"),
-                              .verdict = verdict.Text(),
-                              .text = TuneText(plan, result, true)});
+  PageHead head{
+      .kind = "Gauntlet tune",
+      .title = fmt::format("{} of {}", plan.controller, plan.scenario.file.stem().string()),
+      .question =
+          fmt::format("Which values give the {} {}{}?", metric.lower_is_better ? "least" : "most",
+                      ScoreName(plan.minimise), BoundsText(plan.constraints)),
+      .facts =
+          fmt::format("{} settings tried on {}{}", result.tried.size(), SplitText(result.split),
+                      plan.physics ? "" : " · filters only, no hand")};
+  SetAnswer(verdict, head);
+  head.numbers = NumbersOf(plan, result);
+  const ResultText text = TuneText(plan, result, false);
+  const ResultText verbose = TuneText(plan, result, true);
+  return CellsPage(gathered, {.head = std::move(head),
+                              .text = text,
+                              .details = {verbose.begin() + std::ssize(text), verbose.end()}});
 }
 
 std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
@@ -149,18 +176,24 @@ std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kind
   const std::string drawing =
       FrontsSvg(fronts, MostOf(plan, "delay_ms"), MostOf(plan, "jitter_rms_deg"));
   const Metric& metric = Metrics()[plan.minimise];
+  PageHead head{.kind = "Gauntlet tune",
+                .title = "Which filter for " + plan.scenario.file.stem().string() + "?",
+                .question = fmt::format("Which kind of filter gives {} the {} {}{}?",
+                                        plan.controller, metric.lower_is_better ? "least" : "most",
+                                        ScoreName(plan.minimise), BoundsText(plan.constraints)),
+                .facts = fmt::format("at most {} settings of each kind on {}{}", plan.evaluations,
+                                     SplitText(SplitOfKinds(kinds)),
+                                     plan.physics ? "" : " · filters only, no hand")};
+  SetAnswer(verdict, head);
+  if (kinds.front().has_answer()) {
+    head.numbers = NumbersOf(kinds.front().result.metrics, kinds.front().result.verdict.scores,
+                             verdict.recommended.empty() ? kinds.front().kind : "");
+  }
   return CellsPage(
       points,
-      {.kind = "Gauntlet tune",
-       .title = "Which filter for " + plan.scenario.file.stem().string() + "?",
-       .question = fmt::format("Which kind of filter gives {} the {} {}{}?", plan.controller,
-                               metric.lower_is_better ? "least" : "most", metric.key,
-                               BoundsText(plan.constraints)),
-       .facts = fmt::format("at most {} settings of each kind on {}{}", plan.evaluations,
-                            SplitText(SplitOfKinds(kinds)),
-                            plan.physics ? "" : " · filters only, no hand"),
-       .verdict = verdict.Text(),
-       .text = TuneAllText(plan, kinds, true),
+      {.head = std::move(head),
+       .text = TuneAllText(plan, kinds, false),
+       .details = TextBehindAnswer(TuneAllText(plan, kinds, true)),
        .first_sections = PageSection(
            "fronts", "Jitter against delay, kind by kind",
            "A line joins the settings of one kind that no other of its kind beats in both means, "

@@ -57,18 +57,17 @@ std::string ValidationPage(const Validation& validation) {
   const ChainResult& identified = validation.identified;
   std::string figures;
   for (const ValidatedPart& part : validation.parts) figures += FigureOf(part);
-  std::string answer;
-  for (const std::string& sentence : VerdictOf(validation).Answer()) answer += sentence + " ";
+  PageHead head{.kind = "Gauntlet validate",
+                .title = std::filesystem::path(identified.log().name).stem().string(),
+                .question = "Does the simulated servo move as the real one?",
+                .facts = fmt::format("{} parts · {} episodes, {:.1f} s at {:.6g} Hz",
+                                     validation.parts.size(), identified.episodes.size(),
+                                     identified.duration_s(), identified.log().rate_hz)};
+  SetAnswer(VerdictOf(validation), head);
   return PlainPage(
-      {.kind = "Gauntlet validate",
-       .title = std::filesystem::path(identified.log().name).stem().string(),
-       .question = "Does the simulated servo move as the real one?",
-       .verdict = answer,
-       .facts = fmt::format("{} parts · {} episodes, {:.1f} s at {:.6g} Hz",
-                            validation.parts.size(), identified.episodes.size(),
-                            identified.duration_s(), identified.log().rate_hz),
+      {.head = std::move(head),
        .heading = "Result",
-       .table = HtmlOf(ValidationText(validation)),
+       .table = HtmlOf(TextBehindAnswer(ValidationText(validation))),
        .sections = PageSection("parts", "Measured beside simulated",
                                "The held-out episode in which each part moves most.", figures)});
 }

@@ -13,6 +13,10 @@ std::filesystem::path PictureOf(const std::filesystem::path& folder) {
   return folder / "comparison.png";
 }
 
+std::filesystem::path PosterOf(const std::filesystem::path& folder) {
+  return folder / "poster.png";
+}
+
 void CheckVideoTarget(const std::filesystem::path& target) {
   std::error_code ignored;
   if (!std::filesystem::is_directory(target, ignored)) return;
@@ -31,6 +35,11 @@ std::filesystem::path RenderFolder(const RenderOptions& options,
     WriteComparisonPng(video.input(), video.hand(), *options.frame_s, target);
   } else {
     WriteComparisonVideo(video.input(), video.hand(), target, keep_going);
+    const std::optional<Excerpt>& again = video.input().again;
+    if (again && target == VideoOf(options.folder)) {
+      WriteComparisonPng(video.input(), video.hand(), 0.5 * (again->from_s + again->to_s),
+                         PosterOf(options.folder));
+    }
   }
   return target;
 }

@@ -3,11 +3,15 @@
 function showProblems(data) {
   const list = byId("problems");
   list.append(...data.failures.map((failure) => element("li", {}, failure)));
-  for (const controller of data.controllers) {
-    if (controller.untrusted_samples > 0) {
-      list.append(element("li", {}, `${controller.name}: ${controller.untrusted_samples} glove ` +
-        "samples were rejected (missing, out of range, spike or frozen); the last valid value was held"));
-    }
+  const rejected = data.controllers.filter((controller) => controller.untrusted_samples > 0);
+  if (rejected.length > 0) {
+    const counts = rejected.map((controller) => controller.untrusted_samples);
+    const [least, most] = [Math.min(...counts), Math.max(...counts)];
+    const who = rejected.length === 1 ? rejected[0].name
+      : rejected.length === data.controllers.length ? "All controllers"
+      : `${rejected.length} of ${data.controllers.length} controllers`;
+    list.append(element("li", {}, `${who}: ${least === most ? "" : `${least} to `}${most} glove ` +
+      "samples were rejected (missing, out of range, spike or frozen); the last valid value was held"));
   }
   list.hidden = list.children.length === 0;
 }
