@@ -20,7 +20,7 @@ constexpr std::size_t kMostLines = 40;
 
 /// The first sentences, as many as fit into two lines or so.
 std::string FirstSentences(const std::string& text) {
-  constexpr std::size_t kMost = 200;
+  constexpr std::size_t kMost = 300;
   if (text.size() <= kMost) return text;
   const std::size_t end = text.rfind(". ", kMost);
   return end == std::string::npos ? OneLine(text, kMost) : text.substr(0, end + 1);

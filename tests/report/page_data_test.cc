@@ -28,6 +28,19 @@ Json DataOfPage(const std::string& page) {
   return Json::parse(page.substr(begin, page.find("</script>", begin) - begin));
 }
 
+TEST(ReportPage, ShowsAPosterBesideItAndNoOtherPicture) {
+  const auto page = [](bool has_poster) {
+    return AssemblePage({.head = {},
+                         .data = "{}",
+                         .resolved_scenario = "",
+                         .video = {.exists = true, .has_poster = has_poster}});
+  };
+  EXPECT_NE(page(true).find("src=\"comparison.mp4\" poster=\"poster.png\""), std::string::npos);
+  EXPECT_NE(page(true).find("img-src data: 'self' file:\""), std::string::npos);
+  EXPECT_EQ(page(false).find("poster.png"), std::string::npos);
+  EXPECT_NE(page(false).find("img-src data:\""), std::string::npos);
+}
+
 TEST(PageData, HasTheSummaryOfEveryController) {
   const test::MadeUpStudy made = test::MakeUpStudy({});
   const Json data = Data(made);
