@@ -26,7 +26,7 @@ struct Verdict {
 
   /// An empty text is not added.
   void AddReason(std::string key, std::string text);
-  /// The same of `beginning` + `rest`, of which the beginning is the headline from now on.
+  /// Adds `beginning` + `rest`, of which the beginning is the headline from now on.
   void AddHeadline(std::string key, std::string beginning, const std::string& rest);
   void AddWarning(std::string key, std::string text);
   /// These are not told apart from the best, so they may be as good: nothing is recommended then.

@@ -16,7 +16,7 @@ ResultTable RobustScoreTable(const RobustResult& result, const RobustScore& scor
 /// A row per parameter: what it does to the difference between the two that are best.
 ResultTable TornadoTable(const RobustPlan& plan, const RobustScore& score);
 
-/// "matters", "does not matter", "undecided"; empty where there is nothing to judge.
+/// "effect", "no effect", "undecided"; empty where there is nothing to judge.
 std::string_view TornadoVerdict(const TornadoBar& bar);
 
 /// The controller that the verdict is about: the recommended one, else the best on the nominal hand.

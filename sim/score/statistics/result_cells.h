@@ -43,7 +43,7 @@ MeanInterval ShownInterval(MeanInterval interval, double size);
 /// `option` gives more of the `seeds`.
 std::string TooFewText(const MeanInterval& few, std::size_t seeds,
                        std::string_view option = "--seeds 8");
-/// The same of the first that IsOfTooFew() for its own mean; empty without one.
+/// TooFewText() of the first that IsOfTooFew() for its own mean; empty without one.
 std::string TooFewTextIfAny(const std::vector<MeanInterval>& intervals, std::size_t seeds,
                             std::string_view option = "--seeds 8");
 

@@ -169,9 +169,9 @@ std::string ScatterSvg(const std::vector<ChartAxis>& axes, std::size_t x, std::s
   for (std::size_t i = points.size(); i-- > 0;) {  // the best last, over the others
     const double across = points[i].places[x], up = points[i].places[y];
     if (std::isnan(across) || std::isnan(up) || std::isnan(shares[i])) continue;
-    figure.Dot(
-        {place(across, area.left, area.right), place(up, area.bottom, area.top)}, 6.0,
-        InkOfPoint(i, points[i].faint ? "cell faint" : "cell", ShareStyle(0.1 + 0.8 * shares[i])));
+    figure.Dot({place(across, area.left, area.right), place(up, area.bottom, area.top)}, 6.0,
+               InkOfPoint(i, std::string("cell") + (points[i].faint ? " faint" : ""),
+                          ShareStyle(0.1 + 0.8 * shares[i])));
   }
   figure.Text({area.centre().x, figure.height_px - 8.0}, Anchor::kMiddle, axes[x].name, {"name"});
   return SvgOf(figure);

@@ -32,7 +32,7 @@ struct PageHead {
 
 /// Takes over headline, answer and warnings of a verdict, as the terminal has them.
 void SetAnswer(const Verdict& verdict, PageHead& head);
-/// The same of one text, whose first sentence is the headline.
+/// Takes over one text, whose first sentence is the headline.
 void SetAnswer(const std::string& text, PageHead& head);
 
 /// The head as HTML. All texts are escaped.

@@ -40,8 +40,8 @@ void AddPlace(const Json& scores, bool is_answer, std::vector<Place>& places) {
   if (std::isfinite(place.delay_ms) && std::isfinite(place.jitter_deg)) places.push_back(place);
 }
 
-/// Of scores.json, the controllers; else, of the data of a page of many settings, these. Nothing
-/// where a file is missing, too large or another.
+/// Controllers of scores.json; else settings of the page's data. None where a file is missing, too
+/// large or another.
 std::vector<Place> PlacesOf(const fs::path& folder) {
   std::vector<Place> places;
   std::error_code error;
