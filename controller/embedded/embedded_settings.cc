@@ -55,7 +55,8 @@ Eigen::ArrayXXd GainsOf(const ControllerConfig& config, int channels, double rat
   return gains;
 }
 
-/// Makes a 1 euro filter what it is at rest: an exponential one, with a list where the cutoff has one.
+/// Makes a 1 euro filter what it is at rest: an exponential one, with a list where the cutoff has
+/// one.
 void SettleAtRest(const OneEuroConfig& one_euro, double rate_hz, FilterConfig& filter) {
   const auto alpha_of = [rate_hz](double cutoff_hz) {
     return 1.0 / (1.0 + rate_hz / (2.0 * std::numbers::pi * cutoff_hz));

@@ -34,7 +34,7 @@ std::atomic<int> wishes_for_few{0};         // objects of FewSignalsOnHeap
 std::atomic<std::size_t> bytes_on_heap{0};  // of those that count
 std::atomic<std::size_t> bytes_on_disk{0};
 
-/// Of these bytes, as many as are left where few are wanted.
+/// As many of these bytes as are left where few are wanted.
 std::size_t AtMost(std::size_t bytes, std::size_t few_mb) {
   const bool few = wishes_for_few.load(std::memory_order_relaxed) > 0;
   return few ? std::min(bytes, few_mb << 20) : bytes;

@@ -127,9 +127,10 @@ struct MotorInModel {
 };
 /// In the model's order. Stall torque: the ctrlrange of a <motor>, else the forcerange, times the
 /// gear. Drum: of an actuator that holds the length of its cable at a multiple of its control, as
-/// gauntlet export writes them; where the multiple is 1, the control is a length. Rotor and friction: armature and frictionloss of the joint; of several joints, the mean of
-/// armature / ratio^2 and no friction, which stays with the joints.
-/// Errors: UserError for an actuator without a name, or on something else than joints and tendons.
+/// gauntlet export writes them; where the multiple is 1, the control is a length. Rotor and
+/// friction: armature and frictionloss of the joint; of several joints, the mean of armature /
+/// ratio^2 and no friction, which stays with the joints. Errors: UserError for an actuator without
+/// a name, or on something else than joints and tendons.
 std::vector<MotorInModel> MotorsInModel(const mjModel_& model);
 
 /// All motors of the model, in its order, without their cables' paths and the references of their

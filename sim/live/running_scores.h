@@ -74,8 +74,8 @@ class ScoreWindow {
   std::int64_t driving_since_ = 0;
 };
 
-/// Computes running scores of a session twice a second, for its watcher, in a thread of its own with
-/// low priority, until it is destroyed.
+/// Computes running scores of a session twice a second, for its watcher, in a thread of its own
+/// with low priority, until it is destroyed.
 class RunningScores {
  public:
   /// Keeps `view`. Errors: RunError if no thread starts.

@@ -10,8 +10,9 @@
 
 namespace gauntlet::sim {
 
-/// Further controllers that get the samples of the one that drives, and drive nothing. For a watcher
-/// the one that began is among them: another one may drive in its place. Of the control thread.
+/// Further controllers that get the samples of the one that drives, and drive nothing. For a
+/// watcher the one that began is among them: another one may drive in its place. Of the control
+/// thread.
 class Shadows {
  public:
   /// Errors: SettingError of a controller.
@@ -26,8 +27,8 @@ class Shadows {
   std::span<const double> targets_rad() const noexcept {
     return std::span(targets_rad_).last(targets_rad_.size() - (has_first_ ? joints_ : 0));
   }
-  /// Angles as above, with those of the controller that began before the shadows; without a watcher or shadows, those
-  /// alone.
+  /// Angles as above, with those of the controller that began before the shadows; without a watcher
+  /// or shadows, those alone.
   std::span<const double> asked_rad() const noexcept { return targets_rad_; }
   /// Times of the steps of a shadow.
   const DurationHistogram& step(std::size_t shadow) const {

@@ -40,14 +40,14 @@ struct AskingController {
   double earliest_delay_s = 0.0;                 // see EarliestAskedDelay_s()
 };
 
-/// Pure: the same signals give the same scores. One joint after the other, which takes little memory
-/// beside a running session. The joints of a mean are the same for all controllers, see
+/// Pure: the same signals give the same scores. One joint after the other, which takes little
+/// memory beside a running session. The joints of a mean are the same for all controllers, see
 /// UseCommonParts().
 std::vector<TargetScores> ScoreTargets(const TargetScoring& scoring,
                                        std::span<const AskingController> controllers);
 
-/// By how much the angles of a controller are late at least: ahead by the horizon of its prediction.
-/// The way to the hand's motors is not in it.
+/// By how much the angles of a controller are late at least: ahead by the horizon of its
+/// prediction. The way to the hand's motors is not in it.
 double EarliestAskedDelay_s(const HandModel& hand, const controller::ControllerConfig& controller);
 
 }  // namespace gauntlet::sim

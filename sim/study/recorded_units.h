@@ -25,8 +25,8 @@ struct RecordedUnits {
 /// Errors: UserError for a recording or a map that cannot be read.
 RecordedUnits UseRecordedUnits(const GloveConfig& config, controller::RobotConfig& robot);
 
-/// The unit that all columns of a scenario's recording share as they are: deg or rad; empty: counts,
-/// several units, others, or no recording. Errors: as UseRecordedUnits().
+/// The unit that all columns of a scenario's recording share as they are: deg or rad; empty:
+/// counts, several units, others, or no recording. Errors: as UseRecordedUnits().
 std::string SharedRecordedUnit(const GloveConfig& config);
 
 }  // namespace gauntlet::sim

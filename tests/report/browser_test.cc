@@ -432,16 +432,15 @@ TEST_F(BrowserTest, SaysWhereTooLittleCountsForFrequencies) {
 // What a browser without scripts shows.
 TEST(ReportPage, HasVerdictScoresTradeOffAndVideoWithoutScripts) {
   const test::MadeUpStudy made = test::MakeUpStudy({});
-  std::string page = AssemblePage({.head = {.title = "made_up",
-                                            .question = "Is the page whole?",
-                                            .answer = "Use filter_1."},
-                                   .facts = "facts",
-                                   .numbers = HtmlOf(ShownText(made)),
-                                   .answer = HtmlOf(AnswerText(made)),
-                                   .front = ControllersFront(made.summary),
-                                   .data = "{}",
-                                   .resolved_scenario = "",
-                                   .video = {.exists = true}});
+  std::string page = AssemblePage(
+      {.head = {.title = "made_up", .question = "Is the page whole?", .answer = "Use filter_1."},
+       .facts = "facts",
+       .numbers = HtmlOf(ShownText(made)),
+       .answer = HtmlOf(AnswerText(made)),
+       .front = ControllersFront(made.summary),
+       .data = "{}",
+       .resolved_scenario = "",
+       .video = {.exists = true}});
   for (std::size_t begin; (begin = page.find("<script")) != std::string::npos;) {
     page.erase(begin, page.find("</script>", begin) + 9 - begin);
   }

@@ -69,7 +69,8 @@ TEST(CellsPage, StandsThereWithoutScripts) {
                           HasSubstr("min_cutoff_hz: 1\n"),
                           HasSubstr("gauntlet compare made_up.yaml --seeds 8 --controllers it")));
   EXPECT_EQ(Count(body, "<path data-point"), 40u);
-  // In jitter over delay, and over both settings: a map of 144 places would show what was not tried.
+  // In jitter over delay, and over both settings: a map of 144 places would show what was not
+  // tried.
   EXPECT_EQ(Count(body, "<circle data-point"), 2u * 40u);
   EXPECT_EQ(Count(body, "class=\"heat-map scatter\""), 1u);
   EXPECT_EQ(Count(body, "class=\"heat-map\""), 0u);

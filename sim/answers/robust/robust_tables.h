@@ -19,7 +19,8 @@ ResultTable TornadoTable(const RobustPlan& plan, const RobustScore& score);
 /// "effect", "no effect", "undecided"; empty where there is nothing to judge.
 std::string_view TornadoVerdict(const TornadoBar& bar);
 
-/// The controller that the verdict is about: the recommended one, else the best on the nominal hand.
+/// The controller that the verdict is about: the recommended one, else the best on the nominal
+/// hand.
 std::string JudgedController(const RobustPlan& plan, const RobustResult& result);
 
 /// "75 to 99 %": the confidence interval of a share.

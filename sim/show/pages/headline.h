@@ -18,7 +18,8 @@ struct HeadNumber {
   Judgement judgement = Judgement::kNone;  // its colour
 };
 
-/// The head of a page: the answer, the numbers that it rests on, then the sentences of the terminal.
+/// The head of a page: the answer, the numbers that it rests on, then the sentences of the
+/// terminal.
 struct PageHead {
   std::string kind = {};  // "Gauntlet sweep"
   std::string title = {};

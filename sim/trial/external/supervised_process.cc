@@ -109,7 +109,7 @@ bool TakeHanded(int starter, Handed& handed) {
   return true;
 }
 
-/// What a word is, before its text; the last one comes alone.
+/// The kind of a word, before its text; the last one comes alone.
 constexpr char kFolder = 'f';
 constexpr char kProgram = 'p';
 constexpr char kWord = 'w';
