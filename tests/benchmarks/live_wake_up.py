@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Wake-ups of `gauntlet live` beside those of cyclictest (Debian's rt-tests), in turns.
 
-    tests/benchmarks/live_wake_up.py build/release/sim/cli/gauntlet [SECONDS] [RUNS]
+    tests/benchmarks/live_wake_up.py build/release/sim/cli/gauntlet [SECONDS] [RUNS] [--settings]
 
-60 s and at least five runs are a measurement. p50 and p99 should be at most 1.5 times those of
+With --settings also without one of the settings of docs/how-to/live.md, in the same turns. 60 s and at least five runs are a measurement. p50 and p99 should be at most 1.5 times those of
 cyclictest. The script also prints the program's own time from a sample to its command, in processor
 time of the thread: p99.9 below 100 us, none above 1 ms. Run it as root, on a machine that does nothing else."""
 import json
@@ -33,8 +33,16 @@ def of_cyclictest(seconds):
     return values + [int(re.search(r"Max Latencies: *(\d+)", text).group(1))]
 
 
-def of_live(program, seconds, place):
-    subprocess.run([program, "live", "random_motion", "--controller", "tuned_kalman", "--seconds",
+SETTINGS = {
+    "live": [],
+    "without priority": ["setpriv", "--bounding-set", "-sys_nice", "prlimit", "--rtprio=0"],
+    "without locked memory": ["setpriv", "--bounding-set", "-ipc_lock", "prlimit", "--memlock=0"],
+    "on one core": ["taskset", "-c", "1"],
+}
+
+
+def of_live(program, seconds, place, before=()):
+    subprocess.run([*before, program, "live", "random_motion", "--controller", "tuned_kalman", "--seconds",
                     str(seconds), "--set", f"glove.motion.duration_s={seconds}", "--out", place],
                    check=True, capture_output=True)
     loop = json.loads((place / "live.json").read_text())["loop"]
@@ -44,20 +52,24 @@ def of_live(program, seconds, place):
 
 
 def main():
-    program = pathlib.Path(sys.argv[1]).resolve()
-    seconds = int(sys.argv[2]) if len(sys.argv) > 2 else 60
-    runs = int(sys.argv[3]) if len(sys.argv) > 3 else 5
+    words = [word for word in sys.argv[1:] if word != "--settings"]
+    program = pathlib.Path(words[0]).resolve()
+    seconds = int(words[1]) if len(words) > 1 else 60
+    runs = int(words[2]) if len(words) > 2 else 5
+    settings = SETTINGS if "--settings" in sys.argv else {"live": []}
     has_other = shutil.which("cyclictest") is not None
     ours, theirs = [], []
     with tempfile.TemporaryDirectory() as place:
-        for run in range(runs):
-            late, own, skipped = of_live(program, seconds, pathlib.Path(place) / "live")
-            ours.append(late)
-            print(f"live        p50 {late[0]:.0f}, p99 {late[1]:.0f}, p99.9 {late[2]:.0f}, max {late[3]:.0f} us; "
-                  f"skipped {skipped}; sample to command p99.9 {own[0]:.0f}, max {own[1]:.0f} us")
+        for _ in range(runs):
+            for name, before in settings.items():
+                late, own, skipped = of_live(program, seconds, pathlib.Path(place) / name.replace(" ", "_"), before)
+                if not before:
+                    ours.append(late)
+                print(f"{name:21}  p50 {late[0]:.0f}, p99 {late[1]:.0f}, p99.9 {late[2]:.0f}, max {late[3]:.0f} us; "
+                      f"skipped {skipped}; sample to command p99.9 {own[0]:.0f}, max {own[1]:.0f} us")
             if has_other:
                 theirs.append(of_cyclictest(seconds))
-                print("cyclictest  p50 {}, p99 {}, p99.9 {}, max {} us".format(*theirs[-1]))
+                print("cyclictest             p50 {}, p99 {}, p99.9 {}, max {} us".format(*theirs[-1]))
     if not has_other:
         print("cyclictest is not installed (rt-tests): nothing to compare with")
         return 0
