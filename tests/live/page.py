@@ -354,7 +354,7 @@ def test_page_in_a_browser(place):
         page.value(f"{still}.click()")
         page.wait_for(f"{still}.textContent === 'Hand is still' && {answer}.textContent === ''")
         session.process.send_signal(signal.SIGINT)
-        page.wait_for("document.getElementById('live-state').textContent.startsWith('The session has ended after')")
+        page.wait_for("document.getElementById('live-state').textContent === 'The report is in the terminal.'")
         check(page.value("document.getElementById('live-banner-text').textContent").startswith("The session has ended"), "the end")
         problems = [text for text in page.problems if '"level": "warning"' not in text]
         check(not problems, "\n".join(problems))

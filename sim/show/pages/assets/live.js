@@ -62,7 +62,7 @@ class LivePage extends HandScene {
       events.close();
       this.ended = true;
       const after = this.last ? ` after ${this.last.time_s.toFixed(1)} s` : "";
-      this.say(`The session has ended${after}. The report is in the terminal.`, true);
+      this.say("The report is in the terminal.", true);
       this.warn(`The session has ended${after}.`, "", true);
       this.setChoice(-1);
     });
