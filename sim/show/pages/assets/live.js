@@ -86,7 +86,10 @@ class LivePage extends HandScene {
     this.arrived_ms = performance.now();
     if (moment.scores) this.scores = moment.scores;
     if (before && before.driving !== moment.driving) this.noteSwitch(before.driving, moment.driving);
-    if (!before) this.showHands();
+    if (!before) {
+      this.showHands();
+      this.watchAge();
+    }
     if (moment.is_still && !before?.is_still) this.still_since_s = moment.time_s;
     this.watchOutage(moment);
     this.hand.pose(moment.hand_deg.map((angle) => angle ?? 0));
