@@ -361,7 +361,7 @@ void RunLiveCommand(const LiveCommand& command) {
   {
     const EndsAtSecondSignal gently;
     const auto server = ServePage(command, study, setup, has_recording ? recording.string() : "");
-    std::optional<RunningScores> scores;
+    std::optional<SessionScores> scores;
     if (server) scores.emplace(RunningScoringOf(study, setup), view);
     result = RunLive(setup);
   }

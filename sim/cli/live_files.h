@@ -8,7 +8,7 @@
 #include "sim/answers/compare/summary.h"
 #include "sim/live/live_report.h"
 #include "sim/live/live_session.h"
-#include "sim/live/running_scores.h"
+#include "sim/live/session_scores.h"
 #include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {

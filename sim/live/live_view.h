@@ -37,7 +37,7 @@ struct ShownTick {
   bool has_sample = false;  // a new one
 };
 
-/// Running scores of one controller, see running_scores.h; NaN for a score without a value.
+/// Running scores of one controller, see session_scores.h; NaN for a score without a value.
 struct RunningScore {
   double over_s = 0.0;  // the time that they are of
   double jitter_rms_deg = 0.0;

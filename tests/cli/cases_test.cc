@@ -203,9 +203,9 @@ class DisturbedCase {
     std::ofstream(Place("bin/gauntlet"))
         << "#!/bin/bash\n"
            "LD_PRELOAD=$FAILING_CALLS " GAUNTLET_PROGRAM
-           " \"$@\" 2> >(tee \"$ENDS.$$\" >&2)\n"
+           " \"$@\" 2> \"$ENDS.$$\"\n"
            "code=$?\n"
-           "wait $!\n"
+           "cat \"$ENDS.$$\" >&2\n"
            "echo \"$code, $(tail -n 1 \"$ENDS.$$\")\" >> \"$ENDS\"\n"
            "exit $code\n";
     fs::permissions(Place("bin/gauntlet"), fs::perms::owner_all);

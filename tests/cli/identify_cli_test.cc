@@ -92,7 +92,7 @@ TEST_F(IdentifyCliTest, DrawsMeasuredBesideSimulated) {
   EXPECT_THAT(Read("out/claw.hand.yaml"), HasSubstr("not tried: the simulated hand has no such"));
   const std::string page = Read("out/claw.html");
   for (const char* text : {"claw&lt;b&gt;", "command", "measured", "simulated", "hysteresis",
-                           "measured less simulated", "Delay 60 to 60 ms"}) {
+                           "measured less simulated", "<b>60 ms</b>"}) {
     EXPECT_THAT(page, HasSubstr(text));
   }
   EXPECT_EQ(page.find("claw<b>"), std::string::npos);

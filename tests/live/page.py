@@ -170,7 +170,7 @@ def test_switch_changes_the_controller_without_a_jump(place):
     check("raw" in trace and "tuned_kalman" not in trace, "scores of another controller")
 
 
-def test_running_scores_are_those_of_the_report(place):
+def test_session_scores_are_those_of_the_report(place):
     session = Session(place / "live", "--seconds", "9.6", motion="glove.motion.duration_s=12")
     shown = []
     try:

@@ -9,7 +9,7 @@
 
 #include "sim/base/json.h"
 #include "sim/hand/camera_view.h"
-#include "sim/live/running_scores.h"
+#include "sim/live/session_scores.h"
 #include "sim/results/html_text.h"
 #include "sim/show/figure/palette.h"
 #include "sim/show/pages/assets.h"

@@ -76,10 +76,10 @@ class ScoreWindow {
 
 /// Computes running scores of a session twice a second, for its watcher, in a thread of its own
 /// with low priority, until it is destroyed.
-class RunningScores {
+class SessionScores {
  public:
   /// Keeps `view`. Errors: RunError if no thread starts.
-  RunningScores(RunningScoring how, LiveView& view);
+  SessionScores(RunningScoring how, LiveView& view);
 
  private:
   std::jthread thread_;

@@ -1,4 +1,4 @@
-#include "sim/live/running_scores.h"
+#include "sim/live/session_scores.h"
 
 #include <gtest/gtest.h>
 
@@ -118,7 +118,7 @@ std::pair<double, double> JitterAndDelay(std::size_t controller, double from_s, 
   return {summary[MetricIndex("jitter_rms_deg")], summary[MetricIndex("delay_ms")]};
 }
 
-TEST(RunningScores, AreTheScoresOfTheSameRows) {
+TEST(SessionScores, AreTheScoresOfTheSameRows) {
   Session session(20.0);
   session.Run(0.0, 3.0);
   auto scores = session.window_.Scores();
@@ -140,7 +140,7 @@ TEST(RunningScores, AreTheScoresOfTheSameRows) {
   EXPECT_NEAR(scores[1].delay_ms, 60.0, 1.0);
 }
 
-TEST(RunningScores, OfTheOneThatDrivesBeginAtTheSwitch) {
+TEST(SessionScores, OfTheOneThatDrivesBeginAtTheSwitch) {
   Session session(30.0);
   session.Run(0.0, 12.0);
   session.Run(12.0, 17.0, 1);
@@ -156,7 +156,7 @@ TEST(RunningScores, OfTheOneThatDrivesBeginAtTheSwitch) {
   EXPECT_NEAR(scores[1].jitter_rms_deg, JitterAndDelay(1, 13.0, 23.0).first, kRounding);
 }
 
-TEST(RunningScores, OfARealGloveCompareWithItsSmoothedSamples) {
+TEST(SessionScores, OfARealGloveCompareWithItsSmoothedSamples) {
   Session session;
   session.Run(0.0, 15.0);
   const auto scores = session.window_.Scores();
@@ -166,7 +166,7 @@ TEST(RunningScores, OfARealGloveCompareWithItsSmoothedSamples) {
 }
 
 // Wrong: while the glove was silent the wearer stood still, and jumped.
-TEST(RunningScores, LeaveOutTheTimeOfASilentGlove) {
+TEST(SessionScores, LeaveOutTheTimeOfASilentGlove) {
   for (const double longest_gap_s : {0.1, 100.0}) {
     RunningScoring how = Session::How(0.0);
     how.longest_gap_s = longest_gap_s;
@@ -183,7 +183,7 @@ TEST(RunningScores, LeaveOutTheTimeOfASilentGlove) {
   }
 }
 
-TEST(RunningScores, RepeatAShortSkipAndBeginAnewBehindALongOne) {
+TEST(SessionScores, RepeatAShortSkipAndBeginAnewBehindALongOne) {
   Session skipping(20.0), repeated(20.0);
   skipping.Run(0.0, 5.0);
   skipping.Run(5.03, 8.0);
@@ -202,9 +202,9 @@ TEST(RunningScores, RepeatAShortSkipAndBeginAnewBehindALongOne) {
 }
 
 // Wrong: Ctrl-C ends the process before its motors are at rest.
-TEST(RunningScores, AreGivenUpWhereTheProgramIsToStop) {
+TEST(SessionScores, AreGivenUpWhereTheProgramIsToStop) {
   LiveView view(kJoints, kJoints, 2, kRate_hz);
-  RunningScores scores(Session::How(20.0), view);
+  SessionScores scores(Session::How(20.0), view);
   for (std::int64_t tick = 0; tick < 1900; ++tick) {
     const std::vector<double> values = Session::ValuesOf(tick, 0);
     const std::span all(values);

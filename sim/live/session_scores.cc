@@ -1,4 +1,4 @@
-#include "sim/live/running_scores.h"
+#include "sim/live/session_scores.h"
 
 #include <sys/resource.h>
 
@@ -217,7 +217,7 @@ std::vector<RunningScore> ScoreWindow::Scores() const {
   return running;
 }
 
-RunningScores::RunningScores(RunningScoring how, LiveView& view)
+SessionScores::SessionScores(RunningScoring how, LiveView& view)
     : thread_(StartThread(
           [window = ScoreWindow(std::move(how)), &view](const std::stop_token& stop) mutable {
             constexpr int kNice = 10;
