@@ -38,7 +38,7 @@ target_compile_options(gauntlet_options INTERFACE "$<$<COMPILE_LANG_AND_ID:CXX,G
 # Compiles a target as a room of this folder: its level, and the headers that all rooms include, compiled once for each
 # level where sources are united (elsewhere a missing include is an error).
 function(gauntlet_optimise target folder)
-  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR NOT GAUNTLET_BUILD_SIM)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR NOT (GAUNTLET_BUILD_SIM OR GAUNTLET_BUILD_PYTHON))
     return()
   endif()
   set(level -Og)

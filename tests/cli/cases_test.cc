@@ -278,7 +278,7 @@ void ExpectClearEnd(const Step& step, const DisturbedCase::Outcome& undisturbed,
 // A tenth of the cases, another one each time; GAUNTLET_TEST_SEED repeats it.
 TEST(DisturbedCases, EndClearlyWhateverCallFails) {
   GAUNTLET_LONG_TEST();
-  constexpr auto kMostTime = std::chrono::seconds(25);  // then no further call is tried
+  constexpr auto kMostTime = std::chrono::seconds(15);  // then no further call is tried
   constexpr std::size_t kShare = 10;
   const char* const given = std::getenv("GAUNTLET_TEST_SEED");
   const auto seed =
