@@ -15,8 +15,8 @@
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "sim/base/error.h"
+#include "sim/settings/libraries/like_filter.h"
 #include "sim/settings/yaml_reader.h"
-#include "sim/study/scenario/like_filters.h"
 #include "sim/trial/held_filter.h"
 
 namespace gauntlet::python {

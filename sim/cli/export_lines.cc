@@ -24,6 +24,7 @@
 #include "sim/results/table_text.h"
 #include "sim/score/metrics.h"
 #include "sim/score/score.h"
+#include "sim/settings/input_unit.h"
 #include "sim/settings/libraries/library.h"
 #include "sim/study/recorded_units.h"
 #include "sim/study/scenario/filter_input.h"

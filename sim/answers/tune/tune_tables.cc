@@ -12,6 +12,7 @@
 #include "sim/base/data_folder.h"
 #include "sim/base/json.h"
 #include "sim/score/statistics/result_cells.h"
+#include "sim/settings/input_unit.h"
 #include "sim/settings/yaml_writer.h"
 
 namespace gauntlet::sim {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,44 +10,6 @@
 #include "sim/glove/glove.h"
 
 namespace gauntlet::sim {
-namespace {
-
-/// Multiplies what depends on the unit.
-class UnitChange final : public controller::SettingsVisitor {
- public:
-  UnitChange(std::string_view kind, double factor) : kind_(kind), factor_(factor) {}
-
-  void Number(const controller::Setting& setting, double& value) override {
-    value *= FactorOf(setting);
-  }
-  void Numbers(const controller::Setting& setting, std::vector<double>& values) override {
-    for (double& value : values) value *= FactorOf(setting);
-  }
-  void Integer(const controller::Setting&, int&) override {}
-  void Flag(const controller::Setting&, bool&) override {}
-  void Text(const controller::Setting&, std::string&) override {}
-  void Path(const controller::Setting&, std::string&) override {}
-  void Texts(const controller::Setting&, std::vector<std::string>&) override {}
-  void Choice(const controller::Setting&, std::span<const std::string_view>,
-              std::size_t&) override {}
-  void Group(const controller::Setting&,
-             const std::function<void(controller::SettingsVisitor&)>& visit) override {
-    visit(*this);
-  }
-  void List(const controller::Setting&, const controller::SettingList&) override {}
-  void Map(const controller::Setting&, const controller::SettingMap&) override {}
-
- private:
-  double FactorOf(const controller::Setting& setting) const {
-    return std::pow(factor_, PowerOfInput(kind_, setting.key));
-  }
-
-  std::string_view kind_;
-  double factor_;
-};
-
-}  // namespace
-
 double FilterInput::FactorTo(std::string_view unit) const {
   const double per_rad = unit == "deg" ? kDegPerRad : unit == "counts" ? counts_per_rad : 1.0;
   return per_rad / unit_per_rad;
@@ -80,20 +40,6 @@ FilterInput InputOf(const Scenario& scenario, const controller::ControllerConfig
   input.most_counts_per_rad = most;
   if (config.filter_on == controller::FilterOn::kCounts) input.unit_per_rad = input.counts_per_rad;
   return input;
-}
-
-int PowerOfInput(std::string_view kind, std::string_view key) {
-  if (kind == "one_euro" && key == "beta") return -1;
-  if (kind == "jerk_limit") return 1;
-  return key == "q" || key == "r" ? 2 : 0;
-}
-
-controller::FilterSettings WithInputUnit(const controller::FilterSettings& settings,
-                                         double factor) {
-  controller::FilterSettings changed = settings;
-  UnitChange change(controller::KindName(settings), factor);
-  controller::VisitChosen(change, changed);
-  return changed;
 }
 
 }  // namespace gauntlet::sim
