@@ -28,8 +28,8 @@ Json ToJson(const TunedSetting& setting) {
   json["scores"] = Json::array();
   for (const MeanInterval& score : setting.scores) {
     Json of_score = Json::array();
-    for (const double number :
-         {score.mean, score.low, score.high, score.level, score.motion_share}) {
+    for (const double number : {score.mean, score.low, score.high, score.level, score.motion_share,
+                                score.degrees_of_freedom}) {
       of_score.push_back(BitsOf(number));
     }
     of_score.push_back(score.count);
@@ -51,9 +51,10 @@ TunedSetting FromJson(const Json& json) {
     setting.scores.push_back({.mean = number(0),
                               .low = number(1),
                               .high = number(2),
-                              .count = score[5].get<int>(),
+                              .count = score[6].get<int>(),
                               .level = number(3),
-                              .motion_share = number(4)});
+                              .motion_share = number(4),
+                              .degrees_of_freedom = number(5)});
   }
   for (const Json& bits : json.at("minimised")) setting.minimised.push_back(FromBits(bits));
   for (const Json& motion : json.at("motions")) setting.motions.push_back(motion.get<int>());
