@@ -109,7 +109,7 @@ constexpr int kLongestBlock = 1 << 19;
 int BlockOf(int samples, int bound) {
   constexpr int kLeastBounds = 4;
   const int longest = std::max(kLongestBlock, std::min(samples, kLeastBounds * bound));
-  const int blocks = (samples + longest - 1) / longest;
+  const int blocks = std::max(1, (samples + longest - 1) / longest);
   return (samples + blocks - 1) / blocks;
 }
 

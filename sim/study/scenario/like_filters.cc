@@ -44,10 +44,9 @@ std::vector<LikeFilterOf> TakeLikeFilters(YamlNode& root, const YamlSource& sour
     const std::string& of = name.text();
     const auto take = [&](YamlNode& filter, std::size_t index, std::string path) {
       auto like = TakeLikeFilter(filter, std::move(path), source);
-      if (like) {
-        taken.push_back({.controller = of, .index = index, .filter = *std::move(like)});
-      }
-      return like.has_value();
+      if (!like) return false;
+      taken.push_back({.controller = of, .index = index, .filter = *std::move(like)});
+      return true;
     };
     YamlNode filter = ChildOf(controller, "filter");
     const std::string path = fmt::format("controllers.{}.filter", of);
