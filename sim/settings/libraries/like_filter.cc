@@ -59,7 +59,7 @@ YamlNode WithoutLike(const YamlNode& node) {
 controller::FilterSettings LikeFilter::At(double rate_hz, std::string_view unit,
                                           const YamlSource& source) const {
   try {
-    const controller::FilterSettings own = settings->At(rate_hz);
+    controller::FilterSettings own = settings->At(rate_hz);
     const std::string given = settings->unit();
     if (settings->DependsOnUnit().empty() || unit.empty() || given == unit) return own;
     if (given == "counts" || unit == "counts") {
