@@ -93,7 +93,7 @@ bool Hand(int starter, const Handed& handed) {
   return sendmsg(starter, &request, MSG_NOSIGNAL) == 1;
 }
 
-/// False when nobody asks any more.
+/// False when nothing is asked any more.
 bool TakeHanded(int starter, Handed& handed) {
   char nothing = 0;
   iovec part = {.iov_base = &nothing, .iov_len = 1};
