@@ -45,9 +45,8 @@ bool Progress::Update(double done, double total) {
   const double elapsed_s = std::chrono::duration<double>(now - start_).count();
   constexpr int kWidth = 30;
   const int filled = static_cast<int>(share * kWidth);
-  const std::string left = share > 0.01 ? Duration(elapsed_s * (1.0 - share) / share) + " left"
-                           : expected_s_ > 0.0 ? "about " + TimeText(expected_s_)
-                                               : "";
+  const std::string left =
+      share > 0.01 ? Duration(elapsed_s * (1.0 - share) / share) + " left" : "";
   SayText(fmt::format("\r\033[K{} [{}{}] {:3.0f} %  {}", label_, std::string(filled, '#'),
                       std::string(kWidth - filled, '.'), 100.0 * share, left));
   return true;

@@ -14,10 +14,6 @@ class Progress {
   explicit Progress(std::string label);
   ~Progress();
 
-  /// Shown until the work itself tells how long it takes.
-  void Expect(double seconds) { expected_s_ = seconds; }
-  bool on_terminal() const { return on_terminal_; }
-
   /// Returns false when the user pressed Ctrl-C, for callbacks that may stop the work.
   bool Update(double done, double total);
 
@@ -26,7 +22,6 @@ class Progress {
   std::string label_;
   bool on_terminal_;
   bool drawn_ = false;
-  double expected_s_ = 0.0;  // 0: not known
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_drawn_;
 };

@@ -92,14 +92,8 @@ std::optional<std::string> Compute(const StudyCommand& options, FinishedStudy& f
   const std::filesystem::path file = finished.folder / "study.db";
   if (options.comparison) KeepsTrials(file);
   StudyWork work = WorkOf(options);
-  const int trials = TrialCount(finished.study, work.seeds, work.causes);
-  Progress progress(TrialsText(trials));
+  Progress progress(TrialsText(TrialCount(finished.study, work.seeds, work.causes)));
   work.progress = [&](double done, int all) { return progress.Update(done, all); };
-  // A person who waits for many trials gets their time before the first of them ends.
-  constexpr int kManyTrials = 40;
-  if (progress.on_terminal() && trials >= kManyTrials && !std::filesystem::exists(file)) {
-    progress.Expect(EstimateSeconds(finished.study, work));
-  }
   work.note = [](const std::string& line) { Say("{}\n", line); };
   work.remark = [](const std::string& line) { Say("gauntlet: {}\n", line); };
   return FinishStudy(work, finished);

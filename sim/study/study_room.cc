@@ -52,7 +52,7 @@ Needs NeedsOf(const Study& study, const StudyOptions& options) {
   const double kept = glove + controllers * trace;
   const double in_file = 0.5 * kept;
   const auto ticks = static_cast<double>(LongestTicks(study));
-  // What the scores of one joint make and forget.
+  // Columns that the scores of one joint make and forget.
   constexpr double kColumns = 4.0;
   constexpr double kRest = 300e6;
   return {.disk_bytes =
@@ -95,8 +95,8 @@ std::shared_ptr<const FewSignalsOnHeap> CheckRoom(const Study& study, const Stud
   }
   const double free_memory = AvailableMemory();
   if (needs.memory_bytes > free_memory) fail(needs.memory_bytes, "of memory", free_memory);
-  // What a study writes to the disk takes a larger share of its time the shorter it is, and
-  // without a hand as long as the trials themselves.
+  // Writing to the disk takes a larger share of the time of a shorter study, and without a hand as
+  // long as the trials themselves.
   const double long_from = on_heap * (options.physics ? 2.0 : 8.0);
   std::shared_ptr<const FewSignalsOnHeap> few;
   if (needs.disk_bytes >= long_from) few = std::make_shared<const FewSignalsOnHeap>();

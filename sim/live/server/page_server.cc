@@ -165,7 +165,7 @@ class PageServer {
     for (int i = 0; i < kMostAtOnce; ++i) {
       const int socket = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
       if (socket < 0) {
-        // Of a system without descriptors poll() would not wait.
+        // On a system without free descriptors poll() would not wait.
         if (!WouldBlock() && errno != ECONNABORTED) poll(nullptr, 0, kLook_ms);
         return;
       }

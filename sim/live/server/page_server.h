@@ -14,7 +14,7 @@ void SendPageMessage(int session, const PageMessage& message) noexcept;
 /// Both sockets must not block. Messages from the session are events of a stream, at most
 /// kMostEventBytes each.
 ///
-/// Of a request at most kMostRequestBytes are read, and a connection has a limited time for them. A
+/// At most kMostRequestBytes of a request are read, and a connection has a limited time for them. A
 /// connection too many costs the oldest one whose request is not whole.
 ///
 /// `config` has the port of `listener` and the token. Errors: std::bad_alloc.
