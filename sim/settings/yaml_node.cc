@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "controller/assert.h"
 #include "controller/number.h"
 
 namespace gauntlet::sim {
@@ -89,8 +90,9 @@ const YamlNode& NodeAt(const YamlNode& root, std::string_view path) {
 
 YamlNode WithChild(const YamlNode& map, std::string_view key, const YamlNode& value) {
   std::vector<YamlNode::Entry> entries = map.entries();
-  const auto found = FindKey(entries, key) - entries.begin();
-  entries[static_cast<std::size_t>(found)].second = value;
+  const auto found = static_cast<std::size_t>(FindKey(entries, key) - entries.begin());
+  GAUNTLET_ASSERT(found < entries.size());
+  entries[found].second = value;
   return YamlNode::Map(std::move(entries), map.place());
 }
 
