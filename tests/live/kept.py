@@ -14,9 +14,10 @@ import resource
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 import time
+
+from sessions import check, run_tests
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 FAILING_CALLS = pathlib.Path(sys.argv[2]).resolve()
@@ -26,11 +27,6 @@ RATE_HZ = 200
 MOST_MISSING_S = 1.0
 MOST_GROWN_KB = 1500  # in 6 s; histograms have pages that are used late, and so has the heap of running scores; a trace has 10 MB
 CLOSE_DEG = 2e-4  # six digits
-
-
-def check(is_right, what):
-    if not is_right:
-        raise AssertionError(what)
 
 
 def sent_deg(number):
@@ -284,21 +280,5 @@ def test_memory_does_not_grow(place):
     check(grown_kb < MOST_GROWN_KB, f"{grown_kb} KB in 6 s")
 
 
-def main():
-    failed = 0
-    for name, test in list(globals().items()):
-        if not name.startswith("test_") or (len(sys.argv) > 3 and sys.argv[3] not in name):
-            continue
-        begin = time.monotonic()
-        with tempfile.TemporaryDirectory() as place:
-            try:
-                test(pathlib.Path(place) / "out")
-                print(f"passed {name}, {time.monotonic() - begin:.1f} s")
-            except (AssertionError, OSError, subprocess.SubprocessError) as error:
-                failed += 1
-                print(f"FAILED {name}: {error}")
-    return 1 if failed else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_tests(globals(), "".join(sys.argv[3:4])))

@@ -13,23 +13,16 @@ import socket
 import struct
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 import tty
 
+from sessions import COUNTS_PER_RAD, LARGEST_STEP, check, run_tests
+
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 CHANNELS = ["index_mcp", "middle_mcp"]
 SMALL_GLOVE = ["--set", "glove.rate_hz=100", "--set", "glove.channels=[index_mcp,middle_mcp]"]
-COUNTS_PER_RAD = 4096 / (2 * math.pi)  # the servo of the default hand
-RETURN_STEP = 300 / 360 * 4096 * 0.02 + 1.0  # return_deg_s of the watchdog in a command frame
-LARGEST_STEP = 20.0 * 0.02 * COUNTS_PER_RAD + 1.0  # motor.speed_limit_rad_s in a command frame
-RESTS_STEP = math.radians(300.0) * 0.02 * COUNTS_PER_RAD + 1.0  # return_deg_s, from rest
-
-
-def check(is_right, what):
-    if not is_right:
-        raise AssertionError(what)
+RETURN_STEP = math.radians(300.0) * 0.02 * COUNTS_PER_RAD + 1.0  # return_deg_s of the watchdog in a command frame
 
 
 def free_port():
@@ -81,7 +74,7 @@ def check_commands(frames):
             check(abs(b - a) <= LARGEST_STEP * (next_number - number), f"a jump from {a} to {b}")
     first, last = frames[0][1], frames[-1][1]
     check(frames[-3][1] == frames[-2][1] == last, "the motors are not at rest in the end")
-    check(all(abs(a - b) <= RESTS_STEP for a, b in zip(first, last)),
+    check(all(abs(a - b) <= RETURN_STEP for a, b in zip(first, last)),
           "the motors do not begin and end at rest")
 
 
@@ -459,21 +452,5 @@ def test_osc_at_both_ends(place):
     check(frames > 50 and max(facts["untrusted_samples"]) < 0.3 * frames, f"{facts['untrusted_samples']} of {frames}")
 
 
-def main():
-    failed = 0
-    for name, test in list(globals().items()):
-        if not name.startswith("test_") or (len(sys.argv) > 2 and sys.argv[2] not in name):
-            continue
-        begin = time.monotonic()
-        with tempfile.TemporaryDirectory() as place:
-            try:
-                test(pathlib.Path(place) / "out")
-                print(f"passed {name}, {time.monotonic() - begin:.1f} s")
-            except (AssertionError, subprocess.SubprocessError) as error:
-                failed += 1
-                print(f"FAILED {name}: {error}")
-    return 1 if failed else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_tests(globals(), "".join(sys.argv[2:3])))

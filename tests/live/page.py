@@ -9,22 +9,15 @@ import signal
 import socket
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 
 import chromium
+from sessions import LARGEST_STEP, check, run_tests
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
-COUNTS_PER_RAD = 4096 / 6.283185307179586
 PAPER_R_COUNTS2 = [21.18, 12.52, 10.62, 9.86, 26.94, 10.08, 9.71, 17.58, 6.05, 9.91, 47.19, 11.04, 7.56, 23.94, 26.82,
                    28.82, 27.69, 31.49]
-LARGEST_STEP = 20.0 * 0.02 * COUNTS_PER_RAD + 1.0  # motor.speed_limit_rad_s in a command frame
-
-
-def check(is_right, what):
-    if not is_right:
-        raise AssertionError(what)
 
 
 class Session:
@@ -365,14 +358,5 @@ def test_page_in_a_browser(place):
     session.process.communicate(timeout=30)
 
 
-def main():
-    for name, test in list(globals().items()):
-        if name.startswith("test_"):
-            begin = time.monotonic()
-            with tempfile.TemporaryDirectory() as folder:
-                test(pathlib.Path(folder))
-            print(f"{name}: {time.monotonic() - begin:.1f} s")
-
-
 if __name__ == "__main__":
-    main()
+    sys.exit(run_tests(globals(), "".join(sys.argv[2:3])))

@@ -8,11 +8,11 @@ import re
 import signal
 import socket
 import sys
-import tempfile
 import threading
 import time
 
-from page import Session, check
+from page import Session
+from sessions import check, run_tests
 
 IS_SANITIZED = bool(os.environ.get("GAUNTLET_SANITIZE"))
 SOON_S = 5.0 if IS_SANITIZED else 1.0
@@ -379,15 +379,5 @@ def test_nothing_is_left_of_a_session_that_is_killed(place):
             pass
 
 
-def main():
-    for name, test in list(globals().items()):
-        if not name.startswith("test_") or (len(sys.argv) > 2 and sys.argv[2] not in name):
-            continue
-        begin_s = time.monotonic()
-        with tempfile.TemporaryDirectory() as folder:
-            test(pathlib.Path(folder))
-        print(f"{name}: {time.monotonic() - begin_s:.1f} s", flush=True)
-
-
 if __name__ == "__main__":
-    main()
+    sys.exit(run_tests(globals(), "".join(sys.argv[2:3])))
