@@ -11,7 +11,6 @@ import pathlib
 import random
 import re
 import resource
-import signal
 import subprocess
 import sys
 import threading
@@ -198,10 +197,10 @@ def disturbed(folder, **settings):
             "GAUNTLET_FAIL_ERROR": str(errno.ENOSPC), **{f"GAUNTLET_FAIL_{k}": v for k, v in settings.items()}}
 
 
-def check_other_results(place):
+def check_other_results(place, err):
     facts = json.loads((place / "live.json").read_text())
     check(facts["ended_by"] == "seconds" and facts["frames"]["frames"] > 2 * RATE_HZ, str(facts["frames"]))
-    check((place / "report.html").exists() and (place / "trace.h5").exists(), "no report, or no trace")
+    check((place / "report.html").exists() and (place / "trace.h5").exists(), f"no report, or no trace: {err}")
 
 
 def test_a_full_disk_of_the_recording_costs_the_recording_alone(place):
@@ -217,7 +216,7 @@ def test_a_full_disk_of_the_recording_costs_the_recording_alone(place):
                         r"kept, until ([0-9.]+) s", line)
     check(kept and int(kept[1]) == len(numbers) < int(kept[2]) and 0.4 < float(kept[3]) < 3.0, err)
     check("the session goes on" in err and "The largest stage" in out, err + out)
-    check_other_results(place)
+    check_other_results(place, err)
     check([file.name for file in disk.iterdir()] == ["own.csv"], "a session that ended is marked as unfinished")
 
 
@@ -236,11 +235,11 @@ def test_a_call_that_fails_once_costs_nothing(place):
         disk.mkdir()
         session = Session(place / f"{call}_{what}", "--record", disk / "own.csv", seconds=3,
                           environment=disturbed(disk, CALL=what, ONLY=call, ERROR=str(errno.EIO)))
-        session.wait(exit_code=0)
+        _, err = session.wait(exit_code=0)
         numbers = samples(disk / "own.csv")
         check_nothing_missing(numbers, f"{call} {what} failed")
         check(len(numbers) > 2 * RATE_HZ, f"only {len(numbers)} samples")
-        check_other_results(place / f"{call}_{what}")
+        check_other_results(place / f"{call}_{what}", err)
 
 
 def test_a_disk_that_fails_to_flush_is_said(place):
@@ -251,7 +250,7 @@ def test_a_disk_that_fails_to_flush_is_said(place):
     _, err = session.wait(exit_code=1)
     check("cannot write to the disk: Input/output error" in err.splitlines()[-1], err)
     check_nothing_missing(samples(disk / "own.csv"), "fdatasync failed")
-    check_other_results(place)
+    check_other_results(place, err)
 
 
 def test_results_that_find_no_room_leave_the_measurements(place):
