@@ -65,13 +65,7 @@ double AgeMs(const ScoredHand& hand, double share) {
   return hand.link.exist() ? 1e3 * SampleAge(hand.link, share, hand.counted) : kNoScore;
 }
 
-double ShareOfTier(const ScoredHand& hand, int tier) {
-  return hand.link.exist() ? TierShare(hand.link, tier, hand.counted) : kNoScore;
-}
-
 double Millimetres(double metres) { return 1e3 * metres; }
-
-double Degrees2(double radians2) { return kDegPerRad * kDegPerRad * radians2; }
 
 // The smallest differences that matter, each with its source or reason.
 constexpr RelevantDifference kFeltAngle = {
@@ -138,6 +132,78 @@ constexpr RelevantDifference kForceRatio = {
     .reason =
         "people tell forces apart from 7 % on (Pang, Tan, Durlach 1991); they hold 0.1 to "
         "0.4 above slip"};
+
+// Rows that are alike but for a regime, group, tier or cause.
+template <Regime regime>
+constexpr MetricRow TrackingDuring(std::string_view key, std::string_view help,
+                                   std::string_view definition) {
+  return {{.key = key, .help = help, .definition = definition, .relevant_difference = kFeltAngle},
+          [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(regime); }};
+}
+
+template <Regime regime>
+constexpr MetricRow JitterDuring(std::string_view key, std::string_view help,
+                                 std::string_view definition) {
+  return {{.key = key,
+           .help = help,
+           .definition = definition,
+           .relevant_difference = kVisibleTrembling},
+          [](const ScoredJoint& j) { return kDegPerRad * j.TremblingDuring(regime); }};
+}
+
+template <ScoredGroup group>
+constexpr MetricRow JitterOf(std::string_view key, std::string_view name, std::string_view help,
+                             std::string_view definition) {
+  return {{.key = key,
+           .name = name,
+           .unit = "deg RMS",
+           .help = help,
+           .definition = definition,
+           .detailed = true,
+           .needs_stretch = true,
+           .relevant_difference = kVisibleTrembling},
+          [](const ScoredHand& h) { return kDegPerRad * h.JitterOf_rad(group); }};
+}
+
+template <int tier>
+constexpr MetricRow ShareOfTier(std::string_view key, std::string_view name, std::string_view help,
+                                std::string_view definition) {
+  return {{.key = key,
+           .name = name,
+           .unit = "share",
+           .help = help,
+           .definition = definition,
+           .needs_link = true,
+           .relevant_difference = kShareOfTime},
+          [](const ScoredHand& h) {
+            return h.link.exist() ? TierShare(h.link, tier, h.counted) : kNoScore;
+          }};
+}
+
+template <ErrorCause cause>
+constexpr MetricRow PartOfError(std::string_view key, std::string_view help,
+                                std::string_view definition) {
+  return {{.key = key,
+           .help = help,
+           .definition = definition,
+           .needs_chain = true,
+           .needs_link = cause == ErrorCause::kLinkLoss || cause == ErrorCause::kLinkJitter,
+           .relevant_difference = kSquaredAngle},
+          [](const ScoredJoint& j) { return kDegPerRad * kDegPerRad * j.PartOfError(cause); }};
+}
+
+template <ErrorCause cause>
+constexpr MetricRow ErrorWithout(std::string_view key, std::string_view name, std::string_view help,
+                                 std::string_view definition) {
+  return {{.key = key,
+           .name = name,
+           .unit = "deg RMS",
+           .help = help,
+           .definition = definition,
+           .needs_switched = true,
+           .relevant_difference = kFeltAngle},
+          [](const ScoredJoint& j) { return kDegPerRad * j.ErrorWithout(cause); }};
+}
 
 constexpr MetricRow kRows[] = {
     {{.key = "tracking_rmse_deg",
@@ -211,12 +277,10 @@ constexpr MetricRow kRows[] = {
        return m.command_counts.empty() ? kNoScore
                                        : ReversalsPerSecond(m.command_counts, m.rate_hz, m.counted);
      }},
-    {{.key = "rest_tracking_rmse_deg",
-      .help = "tracking error while the wearer holds still",
-      .definition = "tracking_rmse_deg where the wearer is slower than 5 deg/s for 0.3 s, without "
-                    "the first 0.5 s; or in segments labelled rest",
-      .relevant_difference = kFeltAngle},
-     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kRest); }},
+    TrackingDuring<Regime::kRest>(
+        "rest_tracking_rmse_deg", "tracking error while the wearer holds still",
+        "tracking_rmse_deg where the wearer is slower than 5 deg/s for 0.3 s, without "
+        "the first 0.5 s; or in segments labelled rest"),
     {{.key = "rest_jitter_deg",
       .help = "drift of the hand while the wearer holds still",
       .definition = "standard deviation of the hand about its mean of each rest, pooled over rests",
@@ -231,54 +295,36 @@ constexpr MetricRow kRows[] = {
      [](const ScoredJoint& j) {
        return kDegPerRad * MeanOffset(j.error_rad(), j.wearer().Of(Regime::kRest));
      }},
-    {{.key = "slow_tracking_rmse_deg",
-      .help = "tracking error in slow motion",
-      .definition = "tracking_rmse_deg where the wearer is below 60 deg/s and not at rest; or in "
-                    "segments labelled slow",
-      .relevant_difference = kFeltAngle},
-     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kSlow); }},
-    {{.key = "slow_jitter_rms_deg",
-      .help = "jitter in slow motion",
-      .definition = "jitter_rms_deg where the wearer is below 60 deg/s and not at rest; or in "
-                    "segments labelled slow",
-      .relevant_difference = kVisibleTrembling},
-     [](const ScoredJoint& j) { return kDegPerRad * j.TremblingDuring(Regime::kSlow); }},
-    {{.key = "fast_tracking_rmse_deg",
-      .help = "tracking error in fast motion",
-      .definition =
-          "tracking_rmse_deg where the wearer has 60 deg/s or more; or in segments labelled fast",
-      .relevant_difference = kFeltAngle},
-     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kFast); }},
-    {{.key = "fast_jitter_rms_deg",
-      .help = "jitter in fast motion",
-      .definition =
-          "jitter_rms_deg where the wearer has 60 deg/s or more; or in segments labelled fast",
-      .relevant_difference = kVisibleTrembling},
-     [](const ScoredJoint& j) { return kDegPerRad * j.TremblingDuring(Regime::kFast); }},
-    {{.key = "onset_tracking_rmse_deg",
-      .help = "tracking error after a start from rest",
-      .definition = "tracking_rmse_deg where 0.3 s have not passed since a movement began from "
-                    "rest; or in segments labelled onset",
-      .relevant_difference = kFeltAngle},
-     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kOnset); }},
-    {{.key = "onset_jitter_rms_deg",
-      .help = "jitter after a start from rest",
-      .definition = "jitter_rms_deg where 0.3 s have not passed since a movement began from rest; "
-                    "or in segments labelled onset",
-      .relevant_difference = kVisibleTrembling},
-     [](const ScoredJoint& j) { return kDegPerRad * j.TremblingDuring(Regime::kOnset); }},
-    {{.key = "reversal_tracking_rmse_deg",
-      .help = "tracking error around a change of direction",
-      .definition = "tracking_rmse_deg where the wearer turns round within 0.15 s; or in segments "
-                    "labelled reversal",
-      .relevant_difference = kFeltAngle},
-     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorDuring(Regime::kReversal); }},
-    {{.key = "reversal_jitter_rms_deg",
-      .help = "jitter around a change of direction",
-      .definition = "jitter_rms_deg where the wearer turns round within 0.15 s; or in segments "
-                    "labelled reversal",
-      .relevant_difference = kVisibleTrembling},
-     [](const ScoredJoint& j) { return kDegPerRad * j.TremblingDuring(Regime::kReversal); }},
+    TrackingDuring<Regime::kSlow>(
+        "slow_tracking_rmse_deg", "tracking error in slow motion",
+        "tracking_rmse_deg where the wearer is below 60 deg/s and not at rest; or in "
+        "segments labelled slow"),
+    JitterDuring<Regime::kSlow>(
+        "slow_jitter_rms_deg", "jitter in slow motion",
+        "jitter_rms_deg where the wearer is below 60 deg/s and not at rest; or in "
+        "segments labelled slow"),
+    TrackingDuring<Regime::kFast>(
+        "fast_tracking_rmse_deg", "tracking error in fast motion",
+        "tracking_rmse_deg where the wearer has 60 deg/s or more; or in segments labelled fast"),
+    JitterDuring<Regime::kFast>(
+        "fast_jitter_rms_deg", "jitter in fast motion",
+        "jitter_rms_deg where the wearer has 60 deg/s or more; or in segments labelled fast"),
+    TrackingDuring<Regime::kOnset>(
+        "onset_tracking_rmse_deg", "tracking error after a start from rest",
+        "tracking_rmse_deg where 0.3 s have not passed since a movement began from "
+        "rest; or in segments labelled onset"),
+    JitterDuring<Regime::kOnset>(
+        "onset_jitter_rms_deg", "jitter after a start from rest",
+        "jitter_rms_deg where 0.3 s have not passed since a movement began from rest; "
+        "or in segments labelled onset"),
+    TrackingDuring<Regime::kReversal>(
+        "reversal_tracking_rmse_deg", "tracking error around a change of direction",
+        "tracking_rmse_deg where the wearer turns round within 0.15 s; or in segments "
+        "labelled reversal"),
+    JitterDuring<Regime::kReversal>(
+        "reversal_jitter_rms_deg", "jitter around a change of direction",
+        "jitter_rms_deg where the wearer turns round within 0.15 s; or in segments "
+        "labelled reversal"),
     {{.key = "sparc",
       .help = "smoothness of the movements (0 is smoothest)",
       .definition = "minus the arc length of the normalised amplitude spectrum of the velocity up "
@@ -332,10 +378,7 @@ constexpr MetricRow kRows[] = {
                     "glove",
       .needs_twin = true,
       .relevant_difference = kLoudness},
-     [](const ScoredMotor& m) {
-       return m.noise_rad_s.empty() ? kNoScore
-                                    : kDegPerRad * RmsWithin(m.noise_rad_s, 0, m.counted);
-     }},
+     [](const ScoredMotor& m) { return kDegPerRad * RmsWithin(m.noise_rad_s, 0, m.counted); }},
     {{.key = "motor_noise_centroid_hz",
       .help = "mean frequency of the motors' sound caused by the glove's noise",
       .definition = "centre of the power spectrum (Welch 1967) of the speed of the spool less that "
@@ -474,33 +517,16 @@ constexpr MetricRow kRows[] = {
        return h.fingertips.exist() ? Millimetres(PinchDistanceError(h.fingertips, h.counted))
                                    : kNoScore;
      }},
-    {{.key = "finger_jitter_rms_deg",
-      .name = "finger jitter",
-      .unit = "deg RMS",
-      .help = "jitter_rms_deg of the joints of fingers and thumb",
-      .definition = "mean of jitter_rms_deg over the measured joints between palm and fingertips",
-      .detailed = true,
-      .needs_stretch = true,
-      .relevant_difference = kVisibleTrembling},
-     [](const ScoredHand& h) { return kDegPerRad * h.JitterOf_rad(ScoredGroup::kFinger); }},
-    {{.key = "wrist_jitter_rms_deg",
-      .name = "wrist jitter",
-      .unit = "deg RMS",
-      .help = "jitter_rms_deg of the joints of wrist and forearm",
-      .definition = "the same over joints that move the palm, with motors of hand.servo",
-      .detailed = true,
-      .needs_stretch = true,
-      .relevant_difference = kVisibleTrembling},
-     [](const ScoredHand& h) { return kDegPerRad * h.JitterOf_rad(ScoredGroup::kWrist); }},
-    {{.key = "arm_jitter_rms_deg",
-      .name = "arm jitter",
-      .unit = "deg RMS",
-      .help = "jitter_rms_deg of elbow and shoulder",
-      .definition = "the same over joints that move the palm, with motors of hand.arm_servo",
-      .detailed = true,
-      .needs_stretch = true,
-      .relevant_difference = kVisibleTrembling},
-     [](const ScoredHand& h) { return kDegPerRad * h.JitterOf_rad(ScoredGroup::kArm); }},
+    JitterOf<ScoredGroup::kFinger>(
+        "finger_jitter_rms_deg", "finger jitter",
+        "jitter_rms_deg of the joints of fingers and thumb",
+        "mean of jitter_rms_deg over the measured joints between palm and fingertips"),
+    JitterOf<ScoredGroup::kWrist>(
+        "wrist_jitter_rms_deg", "wrist jitter", "jitter_rms_deg of the joints of wrist and forearm",
+        "the same over joints that move the palm, with motors of hand.servo"),
+    JitterOf<ScoredGroup::kArm>(
+        "arm_jitter_rms_deg", "arm jitter", "jitter_rms_deg of elbow and shoulder",
+        "the same over joints that move the palm, with motors of hand.arm_servo"),
     {{.key = "arm_share_of_finger_jitter",
       .help = "share of finger jitter that is not there with an arm at rest",
       .definition = "1 - finger_jitter_rms_deg of the same trial in which the joints of "
@@ -569,30 +595,14 @@ constexpr MetricRow kRows[] = {
      [](const ScoredHand& h) {
        return h.link.exist() ? FrozenShare(h.link, h.rate_hz, h.counted) : kNoScore;
      }},
-    {{.key = "watchdog_hold_share",
-      .name = "watchdog: hold",
-      .unit = "share",
-      .help = "share of time in which a watchdog holds the command",
-      .definition = "share of samples whose higher tier of the two watchdogs is hold",
-      .needs_link = true,
-      .relevant_difference = kShareOfTime},
-     [](const ScoredHand& h) { return ShareOfTier(h, 1); }},
-    {{.key = "watchdog_relax_share",
-      .name = "watchdog: relax",
-      .unit = "share",
-      .help = "share of time in which a watchdog relaxes the hand",
-      .definition = "the same for relax",
-      .needs_link = true,
-      .relevant_difference = kShareOfTime},
-     [](const ScoredHand& h) { return ShareOfTier(h, 2); }},
-    {{.key = "watchdog_off_share",
-      .name = "watchdog: off",
-      .unit = "share",
-      .help = "share of time in which a watchdog has the motors off, or sends no commands",
-      .definition = "the same for off",
-      .needs_link = true,
-      .relevant_difference = kShareOfTime},
-     [](const ScoredHand& h) { return ShareOfTier(h, 3); }},
+    ShareOfTier<1>("watchdog_hold_share", "watchdog: hold",
+                   "share of time in which a watchdog holds the command",
+                   "share of samples whose higher tier of the two watchdogs is hold"),
+    ShareOfTier<2>("watchdog_relax_share", "watchdog: relax",
+                   "share of time in which a watchdog relaxes the hand", "the same for relax"),
+    ShareOfTier<3>("watchdog_off_share", "watchdog: off",
+                   "share of time in which a watchdog has the motors off, or sends no commands",
+                   "the same for off"),
     {{.key = "command_jump_deg",
       .name = "command jump",
       .unit = "deg",
@@ -607,69 +617,38 @@ constexpr MetricRow kRows[] = {
                   ? kNoScore
                   : *m.deg_per_count * LargestJump(m.command_counts, m.counted);
      }},
-    {{.key = "error_noise_deg2",
-      .help = "part of the mean square error: noise and faults of the glove",
-      .definition = "mean((h_0 - h_1) (h_0 - reference)): h_0 the hand, h_1 that of the same trial "
-                    "with a noise-free glove",
-      .needs_chain = true,
-      .relevant_difference = kSquaredAngle},
-     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kNoise)); }},
-    {{.key = "error_glove_deg2",
-      .help = "part of the mean square error: calibration errors of the glove",
-      .definition = "the same with h_1 - h_2: also with sensors as the controller takes them to be",
-      .needs_chain = true,
-      .relevant_difference = kSquaredAngle},
-     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kGlove)); }},
-    {{.key = "error_link_loss_deg2",
-      .help = "part of the mean square error: frames that a link loses",
-      .definition = "the same with h_2 - h_3: also without losses; with a link alone",
-      .needs_chain = true,
-      .needs_link = true,
-      .relevant_difference = kSquaredAngle},
-     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kLinkLoss)); }},
-    {{.key = "error_link_jitter_deg2",
-      .help = "part of the mean square error: link delays that vary",
-      .definition = "the same with h_3 - h_4: also with every delay at its mean; with a link alone",
-      .needs_chain = true,
-      .needs_link = true,
-      .relevant_difference = kSquaredAngle},
-     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kLinkJitter)); }},
-    {{.key = "error_link_deg2",
-      .help = "part of the mean square error: command frames and link delay",
-      .definition = "the same with h_4 - h_5: also with commands at once, at every tick",
-      .needs_chain = true,
-      .relevant_difference = kSquaredAngle},
-     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kLink)); }},
-    {{.key = "error_saturation_deg2",
-      .help = "part of the mean square error: actuator saturation",
-      .definition = "the same with h_5 - h_6: also with motors of unlimited torque and speed",
-      .needs_chain = true,
-      .relevant_difference = kSquaredAngle},
-     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kSaturation)); }},
-    {{.key = "error_friction_deg2",
-      .help = "part of the mean square error: friction and backlash",
-      .definition = "the same with h_6 - h_7: also without these",
-      .needs_chain = true,
-      .relevant_difference = kSquaredAngle},
-     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kFriction)); }},
-    {{.key = "error_servo_deg2",
-      .help = "part of the mean square error: lag, steps and dead band of the servos",
-      .definition = "the same with h_7 - h_8: also with ideal servos",
-      .needs_chain = true,
-      .relevant_difference = kSquaredAngle},
-     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kServo)); }},
-    {{.key = "error_rest_deg2",
-      .help = "part of the mean square error: masses, cable stretch and coupling of the hand",
-      .definition = "the same with h_8 - h_9, h_9 what the controller asks the joints for",
-      .needs_chain = true,
-      .relevant_difference = kSquaredAngle},
-     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kRest)); }},
-    {{.key = "error_controller_deg2",
-      .help = "part of the mean square error: filter and prediction",
-      .definition = "the same with h_9 - reference; all parts sum to tracking_rmse_deg^2",
-      .needs_chain = true,
-      .relevant_difference = kSquaredAngle},
-     [](const ScoredJoint& j) { return Degrees2(j.PartOfError(ErrorCause::kController)); }},
+    PartOfError<ErrorCause::kNoise>(
+        "error_noise_deg2", "part of the mean square error: noise and faults of the glove",
+        "mean((h_0 - h_1) (h_0 - reference)): h_0 the hand, h_1 that of the same trial "
+        "with a noise-free glove"),
+    PartOfError<ErrorCause::kGlove>(
+        "error_glove_deg2", "part of the mean square error: calibration errors of the glove",
+        "the same with h_1 - h_2: also with sensors as the controller takes them to be"),
+    PartOfError<ErrorCause::kLinkLoss>(
+        "error_link_loss_deg2", "part of the mean square error: frames that a link loses",
+        "the same with h_2 - h_3: also without losses; with a link alone"),
+    PartOfError<ErrorCause::kLinkJitter>(
+        "error_link_jitter_deg2", "part of the mean square error: link delays that vary",
+        "the same with h_3 - h_4: also with every delay at its mean; with a link alone"),
+    PartOfError<ErrorCause::kLink>(
+        "error_link_deg2", "part of the mean square error: command frames and link delay",
+        "the same with h_4 - h_5: also with commands at once, at every tick"),
+    PartOfError<ErrorCause::kSaturation>(
+        "error_saturation_deg2", "part of the mean square error: actuator saturation",
+        "the same with h_5 - h_6: also with motors of unlimited torque and speed"),
+    PartOfError<ErrorCause::kFriction>("error_friction_deg2",
+                                       "part of the mean square error: friction and backlash",
+                                       "the same with h_6 - h_7: also without these"),
+    PartOfError<ErrorCause::kServo>(
+        "error_servo_deg2", "part of the mean square error: lag, steps and dead band of the servos",
+        "the same with h_7 - h_8: also with ideal servos"),
+    PartOfError<ErrorCause::kRest>(
+        "error_rest_deg2",
+        "part of the mean square error: masses, cable stretch and coupling of the hand",
+        "the same with h_8 - h_9, h_9 what the controller asks the joints for"),
+    PartOfError<ErrorCause::kController>(
+        "error_controller_deg2", "part of the mean square error: filter and prediction",
+        "the same with h_9 - reference; all parts sum to tracking_rmse_deg^2"),
     {{.key = "error_with_all_deg",
       .name = "error with all causes",
       .unit = "deg RMS",
@@ -680,54 +659,27 @@ constexpr MetricRow kRows[] = {
       .needs_switched = true,
       .relevant_difference = kFeltAngle},
      [](const ScoredJoint& j) { return kDegPerRad * j.ErrorWithAll(); }},
-    {{.key = "error_without_noise_deg",
-      .name = "error without noise",
-      .unit = "deg RMS",
-      .help = "tracking error without noise and faults of the glove",
-      .definition = "the same of a trial with a noise-free glove, all else as it is",
-      .needs_switched = true,
-      .relevant_difference = kFeltAngle},
-     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorWithout(ErrorCause::kNoise); }},
-    {{.key = "error_without_glove_deg",
-      .name = "error without glove",
-      .unit = "deg RMS",
-      .help = "tracking error without calibration errors of the glove",
-      .definition = "the same with sensors as the controller takes them to be",
-      .needs_switched = true,
-      .relevant_difference = kFeltAngle},
-     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorWithout(ErrorCause::kGlove); }},
-    {{.key = "error_without_link_deg",
-      .name = "error without link",
-      .unit = "deg RMS",
-      .help = "tracking error without link and command frames",
-      .definition = "the same with commands at once, at every tick",
-      .needs_switched = true,
-      .relevant_difference = kFeltAngle},
-     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorWithout(ErrorCause::kLink); }},
-    {{.key = "error_without_saturation_deg",
-      .name = "error without saturation",
-      .unit = "deg RMS",
-      .help = "tracking error without actuator saturation",
-      .definition = "the same with motors of unlimited torque and speed",
-      .needs_switched = true,
-      .relevant_difference = kFeltAngle},
-     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorWithout(ErrorCause::kSaturation); }},
-    {{.key = "error_without_friction_deg",
-      .name = "error without friction",
-      .unit = "deg RMS",
-      .help = "tracking error without friction and backlash",
-      .definition = "the same without these",
-      .needs_switched = true,
-      .relevant_difference = kFeltAngle},
-     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorWithout(ErrorCause::kFriction); }},
-    {{.key = "error_without_servo_deg",
-      .name = "error without servo",
-      .unit = "deg RMS",
-      .help = "tracking error without lag, steps and dead band of the servos",
-      .definition = "the same with ideal servos, which hold against friction, too",
-      .needs_switched = true,
-      .relevant_difference = kFeltAngle},
-     [](const ScoredJoint& j) { return kDegPerRad * j.ErrorWithout(ErrorCause::kServo); }},
+    ErrorWithout<ErrorCause::kNoise>(
+        "error_without_noise_deg", "error without noise",
+        "tracking error without noise and faults of the glove",
+        "the same of a trial with a noise-free glove, all else as it is"),
+    ErrorWithout<ErrorCause::kGlove>("error_without_glove_deg", "error without glove",
+                                     "tracking error without calibration errors of the glove",
+                                     "the same with sensors as the controller takes them to be"),
+    ErrorWithout<ErrorCause::kLink>("error_without_link_deg", "error without link",
+                                    "tracking error without link and command frames",
+                                    "the same with commands at once, at every tick"),
+    ErrorWithout<ErrorCause::kSaturation>("error_without_saturation_deg",
+                                          "error without saturation",
+                                          "tracking error without actuator saturation",
+                                          "the same with motors of unlimited torque and speed"),
+    ErrorWithout<ErrorCause::kFriction>("error_without_friction_deg", "error without friction",
+                                        "tracking error without friction and backlash",
+                                        "the same without these"),
+    ErrorWithout<ErrorCause::kServo>(
+        "error_without_servo_deg", "error without servo",
+        "tracking error without lag, steps and dead band of the servos",
+        "the same with ideal servos, which hold against friction, too"),
 };
 
 constexpr int kCount = static_cast<int>(std::size(kRows));
@@ -741,45 +693,41 @@ constexpr std::array<Metric, kCount> kMetrics = [] {
   return metrics;
 }();
 
-constexpr std::array<TrackingErrorPart, kErrorCauseCount> kTrackingErrorParts = [] {
-  std::array<TrackingErrorPart, kErrorCauseCount> parts{{
-      {.key = "error_noise_deg2", .name = "noise", .metric = 0},
-      {.key = "error_glove_deg2", .name = "glove", .metric = 0},
-      {.key = "error_link_loss_deg2", .name = "link loss", .metric = 0},
-      {.key = "error_link_jitter_deg2", .name = "link jitter", .metric = 0},
-      {.key = "error_link_deg2", .name = "link", .metric = 0},
-      {.key = "error_saturation_deg2", .name = "motor limit", .metric = 0},
-      {.key = "error_friction_deg2", .name = "friction", .metric = 0},
-      {.key = "error_servo_deg2", .name = "servo", .metric = 0},
-      {.key = "error_rest_deg2", .name = "rest", .metric = 0},
-      {.key = "error_controller_deg2", .name = "control", .metric = 0},
-  }};
-  for (TrackingErrorPart& part : parts) {
-    while (kMetrics[part.metric].key != part.key) ++part.metric;  // a misspelt key: no constant
+template <std::size_t count>
+constexpr std::array<CauseMetric, count> Placed(std::array<CauseMetric, count> metrics) {
+  for (CauseMetric& one : metrics) {
+    while (kMetrics[one.metric].key != one.key) ++one.metric;  // a misspelt key: no constant
   }
-  return parts;
-}();
+  return metrics;
+}
 
-constexpr std::array<SwitchedError, kSwitchedCauseCount> kSwitchedErrors = [] {
-  std::array<SwitchedError, kSwitchedCauseCount> errors{{
-      {.key = "error_without_noise_deg", .name = "glove noise", .metric = 0},
-      {.key = "error_without_glove_deg", .name = "glove errors", .metric = 0},
-      {.key = "error_without_link_deg", .name = "the link", .metric = 0},
-      {.key = "error_without_saturation_deg", .name = "motor limits", .metric = 0},
-      {.key = "error_without_friction_deg", .name = "friction", .metric = 0},
-      {.key = "error_without_servo_deg", .name = "the servo", .metric = 0},
-  }};
-  for (SwitchedError& error : errors) {
-    while (kMetrics[error.metric].key != error.key) ++error.metric;
-  }
-  return errors;
-}();
+constexpr auto kTrackingErrorParts = Placed<kErrorCauseCount>({{
+    {.key = "error_noise_deg2", .name = "noise"},
+    {.key = "error_glove_deg2", .name = "glove"},
+    {.key = "error_link_loss_deg2", .name = "link loss"},
+    {.key = "error_link_jitter_deg2", .name = "link jitter"},
+    {.key = "error_link_deg2", .name = "link"},
+    {.key = "error_saturation_deg2", .name = "motor limit"},
+    {.key = "error_friction_deg2", .name = "friction"},
+    {.key = "error_servo_deg2", .name = "servo"},
+    {.key = "error_rest_deg2", .name = "rest"},
+    {.key = "error_controller_deg2", .name = "control"},
+}});
+
+constexpr auto kSwitchedErrors = Placed<kSwitchedCauseCount>({{
+    {.key = "error_without_noise_deg", .name = "glove noise"},
+    {.key = "error_without_glove_deg", .name = "glove errors"},
+    {.key = "error_without_link_deg", .name = "the link"},
+    {.key = "error_without_saturation_deg", .name = "motor limits"},
+    {.key = "error_without_friction_deg", .name = "friction"},
+    {.key = "error_without_servo_deg", .name = "the servo"},
+}});
 
 }  // namespace
 
-std::span<const TrackingErrorPart> TrackingErrorParts() { return kTrackingErrorParts; }
+std::span<const CauseMetric> TrackingErrorParts() { return kTrackingErrorParts; }
 
-std::span<const SwitchedError> SwitchedErrors() { return kSwitchedErrors; }
+std::span<const CauseMetric> SwitchedErrors() { return kSwitchedErrors; }
 
 std::size_t ErrorWithAll() { return MetricIndex("error_with_all_deg"); }
 

@@ -190,9 +190,10 @@ Scores NoScores(const ScoreRows& rows) {
   return {.summary = none, .channels = {rows.names.size(), none}};
 }
 
-bool NeedsNoiseFreeTwin(std::size_t metric) { return Metrics()[metric].needs_twin; }
-bool NeedsChain(std::size_t metric) { return Metrics()[metric].needs_chain; }
-bool NeedsSwitched(std::size_t metric) { return Metrics()[metric].needs_switched; }
+bool AnyNeeds(std::span<const std::size_t> metrics, bool Metric::*need) {
+  return std::ranges::any_of(metrics,
+                             [need](std::size_t metric) { return Metrics()[metric].*need; });
+}
 
 std::string WhyNoValue(std::size_t metric, double jitter_above_hz, double longest_s) {
   constexpr double kTick_hz = 1000.0;  // to a millisecond, whatever the rate

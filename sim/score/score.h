@@ -120,26 +120,19 @@ std::optional<std::size_t> FindMetric(std::string_view key);
 /// Place of a key that the program itself names. Errors: std::invalid_argument for a misspelt one.
 std::size_t MetricIndex(std::string_view key);
 
-/// One of the metrics into which the mean square error falls, by ErrorCause. They are of the joints
-/// and sum to the square of tracking_rmse_deg; their summaries sum to the mean of these squares.
-struct TrackingErrorPart {
-  std::string_view key;   // of the metric
-  std::string_view name;  // for pictures and tables: "motor limit"
-  std::size_t metric;     // its place in Metrics()
+/// A metric that belongs to a cause of the tracking error. They are of the joints.
+struct CauseMetric {
+  std::string_view key;
+  std::string_view name;   // for pictures and tables: "motor limit"; also behind "without"
+  std::size_t metric = 0;  // its place in Metrics()
 };
 
-/// All of them, in the order of ErrorCause. None has a value without the trials of causes.
-std::span<const TrackingErrorPart> TrackingErrorParts();
-
-/// A tracking error with one cause switched off, by kSwitchedCauses.
-struct SwitchedError {
-  std::string_view key;   // of the metric
-  std::string_view name;  // for pictures and tables, behind "without"
-  std::size_t metric;     // its place in Metrics()
-};
-
-/// All of them, in the order of kSwitchedCauses.
-std::span<const SwitchedError> SwitchedErrors();
+/// Those into which the mean square error falls, in the order of ErrorCause: they sum to the square
+/// of tracking_rmse_deg, their summaries to the mean of these squares. None has a value without the
+/// trials of causes.
+std::span<const CauseMetric> TrackingErrorParts();
+/// The tracking errors with one cause switched off, in the order of kSwitchedCauses.
+std::span<const CauseMetric> SwitchedErrors();
 /// The metric that they are compared with: the tracking error with all causes, over the same time.
 std::size_t ErrorWithAll();
 
@@ -154,12 +147,8 @@ struct Scores {
 /// Scores of a trial that says nothing: all are NaN.
 Scores NoScores(const ScoreRows& rows);
 
-/// True if a metric has no value without the noise-free signals.
-bool NeedsNoiseFreeTwin(std::size_t metric);
-/// True if it has none without the trials in which one cause after the other is taken away.
-bool NeedsChain(std::size_t metric);
-/// True if it has none without the trials in which one cause is switched off.
-bool NeedsSwitched(std::size_t metric);
+/// True if one of `metrics` needs what is named, as &Metric::needs_twin.
+bool AnyNeeds(std::span<const std::size_t> metrics, bool Metric::*need);
 /// Reason why a metric has no value where the longest motion takes `longest_s`, as the end of a
 /// sentence: "it needs 1.4 s of motion without a gap, and there are 0.5 s". Empty if the length is
 /// not the reason.

@@ -106,7 +106,8 @@ std::optional<NoiseFreeTwin> AsTwin(AnyTrace&& trace) {
 /// Deletes the scores of a trial that need trials for causes, of one kind or of both.
 void ForgetCauses(bool switched, bool chain, Scores& scores) {
   for (std::size_t m = 0; m < Metrics().size(); ++m) {
-    if (!(switched && NeedsSwitched(m)) && !(chain && NeedsChain(m))) continue;
+    const Metric& metric = Metrics()[m];
+    if (!(switched && metric.needs_switched) && !(chain && metric.needs_chain)) continue;
     scores.summary[m] = kNoScore;
     for (std::vector<double>& row : scores.channels) row[m] = kNoScore;
   }
@@ -117,8 +118,8 @@ CausePlan PlanOf(const Study& study, const StudyOptions& options) {
   CausePlan plan;
   if (!options.physics) return plan;
   if (options.scores.empty()) return PlanCauses(study, options.seeds, options.causes);
-  plan.switched = std::ranges::any_of(options.scores, NeedsSwitched);
-  plan.chain = std::ranges::any_of(options.scores, NeedsChain);
+  plan.switched = AnyNeeds(options.scores, &Metric::needs_switched);
+  plan.chain = AnyNeeds(options.scores, &Metric::needs_chain);
   if (plan.switched || plan.chain) plan.seeds = options.seeds;
   plan.trials = (plan.switched ? SwitchedTrialsOf(study, study.scenario.seed) : 0) +
                 (plan.chain ? ChainTrialsOf(study) : 0);
@@ -201,8 +202,7 @@ class StudyRun {
 
  private:
   TwinSource WantedTwin(int seed) const {
-    const bool wanted = options_.scores.empty() ||
-                        std::ranges::any_of(options_.scores, NeedsNoiseFreeTwin) ||
+    const bool wanted = options_.scores.empty() || AnyNeeds(options_.scores, &Metric::needs_twin) ||
                         causes_.seeds > 0;
     return wanted ? TwinOf(study_, seed) : TwinSource::kNone;
   }

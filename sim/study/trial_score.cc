@@ -173,12 +173,6 @@ class MeasuredFingertips {
   std::vector<std::pair<int, int>> pinches_;
 };
 
-bool NeedFingertips(std::span<const std::size_t> metrics) {
-  return metrics.empty() || std::ranges::any_of(metrics, [](std::size_t metric) {
-           return Metrics()[metric].needs_fingertips;
-         });
-}
-
 /// No score is -0.0, which SQLite keeps as 0.0.
 Scores WithoutSign(Scores scores) {
   for (double& score : scores.summary) score += 0.0;
@@ -238,7 +232,7 @@ Scores ScoreTrial(const Study& study, const controller::ControllerConfig& contro
   const controller::Timing& timing = study.hand->timing().controller;
   input.ticks_per_command = timing.TicksOf(timing.event_period_ms);
   std::optional<MeasuredFingertips> fingertips;
-  if (study.fingertips && NeedFingertips(metrics)) {
+  if (study.fingertips && (metrics.empty() || AnyNeeds(metrics, &Metric::needs_fingertips))) {
     fingertips.emplace(study, reference_rad, trace.hand_angle_rad, glove.tick_rate_hz);
     input.fingertips = fingertips->Signals();
   }

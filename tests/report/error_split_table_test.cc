@@ -120,7 +120,7 @@ TEST(CausesText, HasTheErrorWithoutEachCauseTheLargestDifferenceFirst) {
 
 TEST(CausesText, HasIntervalsWhereAllSeedsWereComputed) {
   Summary all = Switched(false, 8);
-  for (const SwitchedError& error : SwitchedErrors()) {
+  for (const CauseMetric& error : SwitchedErrors()) {
     MeanInterval& value = all.controllers[1].summary[error.metric];
     value.low = value.mean - 0.2;
     value.high = value.mean + 0.2;

@@ -106,7 +106,7 @@ CountedParts Everywhere(const CountedTicks& counted) {
 }
 
 bool IsPartOfError(std::size_t metric) {
-  return std::ranges::find(TrackingErrorParts(), metric, &TrackingErrorPart::metric) !=
+  return std::ranges::find(TrackingErrorParts(), metric, &CauseMetric::metric) !=
          TrackingErrorParts().end();
 }
 
@@ -140,7 +140,7 @@ TEST(CountedTicks, HideWhatIsNotCountedFromEveryScore) {
   EXPECT_GT(compared, 20);
   const std::size_t rmse = MetricIndex("tracking_rmse_deg");
   double sum = 0.0;
-  for (const TrackingErrorPart& part : TrackingErrorParts()) {
+  for (const CauseMetric& part : TrackingErrorParts()) {
     sum += after.channels[1][part.metric];
   }
   EXPECT_NEAR(sum, after.channels[1][rmse] * after.channels[1][rmse], 1e-9);

@@ -343,7 +343,7 @@ TEST(Scores, PartsOfTheErrorSumToTheSquareOfTheTrackingError) {
   double squares = 0.0;
   for (const std::size_t row : kFullRows.joints) {
     double sum = 0.0;
-    for (const TrackingErrorPart& part : TrackingErrorParts()) {
+    for (const CauseMetric& part : TrackingErrorParts()) {
       EXPECT_EQ(Metrics()[part.metric].key, part.key);
       sum += scores.channels[row][part.metric];
     }
@@ -351,7 +351,7 @@ TEST(Scores, PartsOfTheErrorSumToTheSquareOfTheTrackingError) {
     EXPECT_NEAR(sum / (tracking * tracking), 1.0, 1e-9);
     squares += tracking * tracking;
   }
-  for (const TrackingErrorPart& part : TrackingErrorParts())
+  for (const CauseMetric& part : TrackingErrorParts())
     summaries += scores.summary[part.metric];
   EXPECT_NEAR(summaries / (squares / 2.0), 1.0, 1e-9);
 }

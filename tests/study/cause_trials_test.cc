@@ -25,7 +25,7 @@ using Causes = std::vector<double>;  // in the order of ErrorCause [deg^2]; no l
 
 Causes CausesOf(const Scores& scores) {
   Causes causes;
-  for (const TrackingErrorPart& part : TrackingErrorParts()) {
+  for (const CauseMetric& part : TrackingErrorParts()) {
     causes.push_back(scores.summary[part.metric]);
   }
   for (const ErrorCause cause : {ErrorCause::kLinkLoss, ErrorCause::kLinkJitter}) {
@@ -87,7 +87,7 @@ double Score(const StudyResult& result, std::string_view key) {
 TEST_F(CauseTrialsTest, ErrorWithoutOneCauseIsThatOfItsSettings) {
   const StudyResult all_on = Run({});
   EXPECT_EQ(Score(all_on, "error_with_all_deg"), Score(all_on, "tracking_rmse_deg"));
-  for (const SwitchedError& error : SwitchedErrors()) {
+  for (const CauseMetric& error : SwitchedErrors()) {
     const ErrorCause cause = kSwitchedCauses[&error - SwitchedErrors().data()];
     const double plain = Score(Run(kSwitches.at(cause)), "tracking_rmse_deg");
     EXPECT_EQ(Score(all_on, error.key), plain) << error.key;
@@ -203,7 +203,7 @@ TEST_F(CauseTrialsTest, SumToTheSquareOfEachJointsError) {
     const double whole = std::pow(row[MetricIndex("tracking_rmse_deg")], 2);
     if (!std::isfinite(whole)) continue;  // of a motor or cable
     double sum = 0.0;
-    for (const TrackingErrorPart& part : TrackingErrorParts()) {
+    for (const CauseMetric& part : TrackingErrorParts()) {
       if (!Metrics()[part.metric].needs_link) sum += row[part.metric];
     }
     EXPECT_NEAR(sum, whole, 1e-9 * whole);

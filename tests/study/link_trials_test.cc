@@ -169,7 +169,7 @@ TEST_F(LinkTrials, LossAndJitterAreCausesOfTheirOwn) {
   const auto causes = [&](const Overrides& overrides) {
     const StudyResult result = Run(overrides, {.causes = CauseSeeds::kFirst});
     double sum = 0.0;
-    for (const TrackingErrorPart& part : TrackingErrorParts()) {
+    for (const CauseMetric& part : TrackingErrorParts()) {
       const double value = Score(result, std::string(part.key).c_str());
       if (std::isfinite(value)) sum += value;
     }

@@ -51,7 +51,7 @@ class Sweep {
     const Scenario scenario = blocks_.BaseScenario();
     first_seed_ = scenario.seed;
     const bool twins = scenario.score.noise_free_twin && !IsWithoutNoise(scenario.glove) &&
-                       std::ranges::any_of(plan.metrics, NeedsNoiseFreeTwin);
+                       AnyNeeds(plan.metrics, &Metric::needs_twin);
     per_trial_ = twins ? 2.0 : 1.0;
     controllers_ = std::ssize(scenario.controllers);
     all_ = per_trial_ * seeds_ *

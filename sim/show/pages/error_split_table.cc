@@ -22,7 +22,7 @@ std::string Percent(double share) {
 
 std::vector<double> ErrorByCause(const ControllerSummary& controller) {
   std::vector<double> parts;
-  for (const TrackingErrorPart& part : TrackingErrorParts()) {
+  for (const CauseMetric& part : TrackingErrorParts()) {
     parts.push_back(controller.summary[part.metric].mean);
   }
   if (!std::isfinite(parts.back())) return {};
@@ -80,7 +80,7 @@ std::string SharesNote(const Summary& summary) {
 
 ResultTable SwitchedTable(const Summary& summary) {
   ResultTable table{.columns = {ForPeople("deg RMS without"), ForPeople("nothing")}};
-  for (const SwitchedError& error : SwitchedErrors()) {
+  for (const CauseMetric& error : SwitchedErrors()) {
     std::string heading(error.name);
     std::ranges::replace(heading, ' ', kBreak);
     table.columns.push_back(ForPeople(heading));
@@ -95,7 +95,7 @@ ResultTable SwitchedTable(const Summary& summary) {
           ResultCell::Text(std::isfinite(value.mean) ? fmt::format("{:.2f}", value.mean) : "-"));
     };
     add(ErrorWithAll());
-    for (const SwitchedError& error : SwitchedErrors()) add(error.metric);
+    for (const CauseMetric& error : SwitchedErrors()) add(error.metric);
   }
   return table;
 }
@@ -117,14 +117,14 @@ std::string CausesText(const Summary& summary) {
         summary.causes.cost_of_first);
   }
   const double all_deg = value(*found, ErrorWithAll()).mean;
-  std::vector<SwitchedError> errors(SwitchedErrors().begin(), SwitchedErrors().end());
-  std::erase_if(errors, [&](const SwitchedError& error) {
+  std::vector<CauseMetric> errors(SwitchedErrors().begin(), SwitchedErrors().end());
+  std::erase_if(errors, [&](const CauseMetric& error) {
     return !(std::abs(value(*found, error.metric).mean - all_deg) >= kWorthSaying * all_deg);
   });
   std::ranges::stable_sort(
-      errors, {}, [&](const SwitchedError& error) { return value(*found, error.metric).mean; });
+      errors, {}, [&](const CauseMetric& error) { return value(*found, error.metric).mean; });
   std::string text;
-  for (const SwitchedError& error : errors) {
+  for (const CauseMetric& error : errors) {
     const MeanInterval own = value(*found, error.metric);
     const MeanInterval without = ShownInterval(own, own.mean);
     text += fmt::format("{}without {}: {:.2f}", text.empty() ? "" : "; ", error.name, without.mean);

@@ -179,7 +179,7 @@ Json SwitchedJson(const Summary& summary) {
   if (!any) return nullptr;
   Json json = {{"part", PartOfCauses(summary)}, {"names", {"with all causes"}}};
   std::vector<std::size_t> metrics = {ErrorWithAll()};
-  for (const SwitchedError& error : SwitchedErrors()) {
+  for (const CauseMetric& error : SwitchedErrors()) {
     json["names"].push_back(fmt::format("without {}", error.name));
     metrics.push_back(error.metric);
   }
