@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -17,30 +16,23 @@ namespace gauntlet::sim {
 
 GrowingFile::GrowingFile(std::filesystem::path target) : target_(std::move(target)) {
   const std::filesystem::path parent = target_.has_parent_path() ? target_.parent_path() : ".";
-  folder_ = open(parent.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-  if (folder_ >= 0) {
-    file_ = openat(folder_, target_.filename().c_str(),
-                   O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0666);
+  folder_.Set(open(parent.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  if (folder_.is_open()) {
+    file_.Set(openat(folder_.get(), target_.filename().c_str(),
+                     O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0666));
   }
   const int error = errno;
-  if (file_ >= 0) {  // its name is on the disk, too; some file systems cannot do this
-    const int readable = openat(folder_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    static_cast<void>(fsync(readable));
-    if (readable >= 0) close(readable);
+  if (file_.is_open()) {  // its name is on the disk, too; some file systems cannot do this
+    const Descriptor readable(openat(folder_.get(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    static_cast<void>(fsync(readable.get()));
     return;
   }
-  if (folder_ >= 0) close(folder_);
   if (error == EEXIST) {
     throw UserError({.place = target_.string(),
                      .problem = "exists already, and a recording is not replaced; --record or "
                                 "--out names another place"});
   }
   throw RunError(fmt::format("{}: cannot write: {}", target_.string(), std::strerror(error)));
-}
-
-GrowingFile::~GrowingFile() {
-  End();
-  close(folder_);
 }
 
 bool GrowingFile::Add(std::string_view line) {
@@ -54,11 +46,11 @@ void GrowingFile::Fail(std::string_view action, int error) {
 }
 
 void GrowingFile::Flush() {
-  if (file_ < 0 || waiting_.empty()) return;
+  if (!file_.is_open() || waiting_.empty()) return;
   std::size_t end = written_;
   int error = 0;
   while (end < waiting_.size() && error == 0) {
-    const ssize_t size = write(file_, waiting_.data() + end, waiting_.size() - end);
+    const ssize_t size = write(file_.get(), waiting_.data() + end, waiting_.size() - end);
     if (size > 0) {
       end += static_cast<std::size_t>(size);
     } else if (size == 0 || errno != EINTR) {
@@ -72,7 +64,7 @@ void GrowingFile::Flush() {
   written_ = end - whole;
   if (error != 0) return Fail("write", error);
   // A file system without this is no reason to stop.
-  if (fdatasync(file_) != 0 && errno != EINVAL && errno != ENOSYS && errno != EROFS) {
+  if (fdatasync(file_.get()) != 0 && errno != EINVAL && errno != ENOSYS && errno != EROFS) {
     Fail("write to the disk", errno);
     may_lack_lines_ = true;
   }
@@ -80,19 +72,19 @@ void GrowingFile::Flush() {
 }
 
 void GrowingFile::End() {
-  if (file_ < 0) return;
+  if (!file_.is_open()) return;
   Flush();
   struct stat status = {};
-  if (written_ > 0 && fstat(file_, &status) == 0) {
-    static_cast<void>(ftruncate(file_, status.st_size - static_cast<off_t>(written_)));
+  if (written_ > 0 && fstat(file_.get(), &status) == 0) {
+    static_cast<void>(ftruncate(file_.get(), status.st_size - static_cast<off_t>(written_)));
   }
   if (lines_ == 0) return Remove();
-  close(std::exchange(file_, -1));
+  file_.Close();
 }
 
 void GrowingFile::Remove() {
-  if (file_ >= 0) close(std::exchange(file_, -1));
-  unlinkat(folder_, target_.filename().c_str(), 0);
+  file_.Close();
+  unlinkat(folder_.get(), target_.filename().c_str(), 0);
 }
 
 }  // namespace gauntlet::sim

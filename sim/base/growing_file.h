@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "sim/base/descriptor.h"
+
 namespace gauntlet::sim {
 
 /// A file of lines that cannot be made again: it has its name from the start, its lines reach the
@@ -17,9 +19,7 @@ class GrowingFile {
   /// Errors: UserError if `target` exists; RunError.
   explicit GrowingFile(std::filesystem::path target);
   /// Ends the file behind its last whole line. A file without lines is removed.
-  ~GrowingFile();
-  GrowingFile(const GrowingFile&) = delete;
-  GrowingFile& operator=(const GrowingFile&) = delete;
+  ~GrowingFile() { End(); }
 
   const std::filesystem::path& target() const { return target_; }
   /// Appends a line, which has its end. False: there is no room for it.
@@ -39,8 +39,8 @@ class GrowingFile {
   void Fail(std::string_view action, int error);
 
   std::filesystem::path target_;
-  int folder_ = -1;
-  int file_ = -1;
+  Descriptor folder_;
+  Descriptor file_;
   std::string waiting_;      // whole lines
   std::size_t written_ = 0;  // of the first of them, less than a line
   std::int64_t lines_ = 0;

@@ -2,12 +2,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 #include <vector>
 
+#include "sim/base/descriptor.h"
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
 
@@ -18,20 +18,18 @@ void ReadBlocks(const std::filesystem::path& file,
                 const std::function<void(std::string_view bytes)>& add) {
   constexpr std::size_t kBlock = 1 << 18;  // stays in a core's cache
   std::vector<char> block(kBlock);
-  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  ssize_t count = descriptor < 0 ? -1 : 1;
+  const Descriptor source(open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  ssize_t count = source.is_open() ? 1 : -1;
   while (count > 0 && !StopAsked()) {
-    count = read(descriptor, block.data(), block.size());
+    count = read(source.get(), block.data(), block.size());
     if (count < 0 && errno == EINTR)
       count = 1;
     else if (count > 0)
       add(std::string_view(block.data(), count));
   }
-  const int error = errno;
-  if (descriptor >= 0) close(descriptor);
   ThrowIfStopped();
   if (count < 0) {
-    throw RunError(fmt::format("{}: cannot read: {}", file.string(), std::strerror(error)));
+    throw RunError(fmt::format("{}: cannot read: {}", file.string(), std::strerror(errno)));
   }
 }
 

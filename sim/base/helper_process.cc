@@ -107,21 +107,18 @@ void HelperProcess::Work(const std::function<void(const Send&)>& work, const Hel
 HelperProcess::HelperProcess(const std::function<void(const Send&)>& work,
                              const HelperLimits& limits, std::function<bool()> keep_going)
     : limits_(limits), keep_going_(std::move(keep_going)) {
-  int ends[2] = {-1, -1};
   try {
+    int ends[2] = {-1, -1};
     if (pipe2(ends, O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category());
+    pipe_.Set(ends[0]);
+    const Descriptor of_helper(ends[1]);
     const std::unique_lock nobody_holds(StartOfHelpers());
-    process_.emplace([&] { Work(work, limits, ends[1]); });
+    process_.emplace([&] { Work(work, limits, of_helper.get()); });
   } catch (const std::system_error& error) {
-    for (const int end : ends) close(end);
     throw RunError("cannot start a helper process: " + error.code().message());
   }
-  close(ends[1]);
-  pipe_ = ends[0];
-  fcntl(pipe_, F_SETPIPE_SZ, 1 << 20);  // fewer switches between the processes
+  fcntl(pipe_.get(), F_SETPIPE_SZ, 1 << 20);  // fewer switches between the processes
 }
-
-HelperProcess::~HelperProcess() { close(pipe_); }
 
 void HelperProcess::ThrowEnded() {
   process_->Kill();  // in case it only closed the pipe
@@ -137,7 +134,7 @@ void HelperProcess::WaitForBytes() {
   // Counts polls instead of reading a clock: a program that was stopped for an hour continues.
   for (int polls = 0; polls < limits_.silence_s * kPollsPerSecond; ++polls) {
     if (keep_going_ && !keep_going_()) throw Cancelled{};
-    pollfd waiting = {.fd = pipe_, .events = POLLIN, .revents = 0};
+    pollfd waiting = {.fd = pipe_.get(), .events = POLLIN, .revents = 0};
     if (poll(&waiting, 1, 1000 / kPollsPerSecond) > 0) return;
     // A large file on a slow disk is read for minutes before the first byte of an answer. What it
     // may use in all is limited by the size of the file (processor_s).
@@ -159,7 +156,7 @@ std::size_t HelperProcess::ReadSome(std::span<char> bytes) {
     WaitForBytes();
     read_ahead_.resize(kReadAhead);
     given_ = 0;
-    const ssize_t size = read(pipe_, read_ahead_.data(), read_ahead_.size());
+    const ssize_t size = read(pipe_.get(), read_ahead_.data(), read_ahead_.size());
     const bool is_interrupted = size < 0 && errno == EINTR;
     read_ahead_.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
     if (size <= 0 && !is_interrupted) ThrowEnded();

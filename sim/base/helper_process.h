@@ -12,6 +12,7 @@
 #include <string>
 
 #include "sim/base/child_process.h"
+#include "sim/base/descriptor.h"
 
 namespace gauntlet::sim {
 
@@ -50,7 +51,7 @@ std::shared_lock<std::shared_mutex> HoldHelpers();
 /// Work on a third-party file, with a library that may crash, hang or use all memory. The work runs
 /// in a process of its own. This process has no open descriptor but the pipe to the program, writes
 /// no file, gains no rights, and ends with the program. The program must check the bytes that it
-/// receives.
+/// receives. The destructor ends the helper if it still works.
 class HelperProcess {
  public:
   using Send = std::function<void(std::span<const char>)>;
@@ -60,10 +61,6 @@ class HelperProcess {
   /// Errors: RunError if no process can be started.
   HelperProcess(const std::function<void(const Send&)>& work, const HelperLimits& limits,
                 std::function<bool()> keep_going = {});
-  /// Ends the helper if it still works.
-  ~HelperProcess();
-  HelperProcess(const HelperProcess&) = delete;
-  HelperProcess& operator=(const HelperProcess&) = delete;
 
   /// Waits for the next bytes from the helper, and returns their number; 0: the work is done.
   /// Errors: HelperEnded, HelperSilent, HelperError.
@@ -95,7 +92,7 @@ class HelperProcess {
 
   HelperLimits limits_;
   std::function<bool()> keep_going_;
-  int pipe_ = -1;
+  Descriptor pipe_;
   std::optional<ChildProcess> process_;
   std::string read_ahead_;    // bytes of the pipe
   std::size_t given_ = 0;     // of these

@@ -3,25 +3,17 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
 
+#include "sim/base/descriptor.h"
 #include "sim/base/error.h"
 
 namespace gauntlet::sim {
 namespace {
-
-/// Closes the descriptor of an open file.
-struct Descriptor {
-  int number = -1;
-  ~Descriptor() {
-    if (number >= 0) close(number);
-  }
-};
 
 /// Puts the text in place. Returns the problem; empty: none.
 std::string ReadLimited(const std::filesystem::path& file, std::size_t most_bytes,
@@ -30,7 +22,7 @@ std::string ReadLimited(const std::filesystem::path& file, std::size_t most_byte
   // Without O_NONBLOCK a pipe at this place would block.
   const Descriptor open_file{open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
   struct stat status = {};
-  if (open_file.number < 0 || fstat(open_file.number, &status) != 0) return reason();
+  if (!open_file.is_open() || fstat(open_file.get(), &status) != 0) return reason();
   if (!S_ISREG(status.st_mode)) return "must be a regular file";
   const auto too_large = [most_bytes] {
     return fmt::format("has more than {} MB, the limit of such a file", most_bytes / 1'000'000);
@@ -40,7 +32,7 @@ std::string ReadLimited(const std::filesystem::path& file, std::size_t most_byte
   constexpr std::size_t kBlock = std::size_t{1} << 14;
   for (std::size_t size = 0;;) {
     text.resize(std::max(size + kBlock, static_cast<std::size_t>(status.st_size) + 1));
-    const ssize_t got = read(open_file.number, text.data() + size, text.size() - size);
+    const ssize_t got = read(open_file.get(), text.data() + size, text.size() - size);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return reason();
     size += static_cast<std::size_t>(got);

@@ -161,44 +161,40 @@ void RefuseSpecial(const fs::path& target) {
 
 TemporaryEntry::TemporaryEntry(const fs::path& target, Kind kind)
     : target_(target), folder_(OpenFolder(target.parent_path())) {
-  if (folder_ < 0) Fail("write", target_, errno);
-  RemoveRemains(folder_, target_);
+  if (!folder_.is_open()) Fail("write", target_, errno);
+  RemoveRemains(folder(), target_);
   int error = EEXIST;
-  while (entry_ < 0 && error == EEXIST) {
+  while (!entry_.is_open() && error == EEXIST) {
     name_ = RandomName(target_);
-    place_ = Remember(folder_, name_);
+    place_ = Remember(folder(), name_);
     if (kind == Kind::kFile) {
-      entry_ =
-          openat(folder_, name_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    } else if (mkdirat(folder_, name_.c_str(), 0777) == 0) {
-      entry_ = openat(folder_, name_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+      entry_.Set(openat(folder(), name_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
+                        0666));
+    } else if (mkdirat(folder(), name_.c_str(), 0777) == 0) {
+      entry_.Set(openat(folder(), name_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
     }
     error = errno;
-    if (entry_ < 0) Forget(place_);
+    if (!entry_.is_open()) Forget(place_);
   }
-  path_ = PathOf(entry_);
-  if (entry_ >= 0) return;
-  close(folder_);
-  Fail("write", target_, error);
+  path_ = PathOf(descriptor());
+  if (!entry_.is_open()) Fail("write", target_, error);
 }
 
 TemporaryEntry::~TemporaryEntry() {
-  if (!renamed_) RemoveEntry(folder_, name_.c_str());
+  if (!renamed_) RemoveEntry(folder(), name_.c_str());
   Forget(place_);
-  close(entry_);
-  close(folder_);
 }
 
 void TemporaryEntry::Rename() {
-  if (fsync(entry_) != 0) Fail("write", target_, errno);
-  if (renameat(folder_, name_.c_str(), folder_, target_.filename().c_str()) != 0) {
+  if (fsync(descriptor()) != 0) Fail("write", target_, errno);
+  if (renameat(folder(), name_.c_str(), folder(), target_.filename().c_str()) != 0) {
     Fail("write", target_, errno);
   }
   renamed_ = true;
   FlushFolder();
 }
 
-void TemporaryEntry::FlushFolder() const { static_cast<void>(fsync(folder_)); }
+void TemporaryEntry::FlushFolder() const { static_cast<void>(fsync(folder())); }
 
 OutputFile::OutputFile(fs::path target) : OutputFile(std::move(target), Replaces::kNoResult) {}
 

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "sim/base/descriptor.h"
+
 namespace gauntlet::sim {
 
 /// The only writer of files that can be made again (others: growing_file.h). A file appears under
@@ -21,12 +23,10 @@ class TemporaryEntry {
   /// of killed programs. Errors: RunError.
   TemporaryEntry(const std::filesystem::path& target, Kind kind);
   ~TemporaryEntry();
-  TemporaryEntry(const TemporaryEntry&) = delete;
-  TemporaryEntry& operator=(const TemporaryEntry&) = delete;
 
-  int descriptor() const { return entry_; }
+  int descriptor() const { return entry_.get(); }
   /// Descriptor of the folder that contains the entry.
-  int folder() const { return folder_; }
+  int folder() const { return folder_.get(); }
   /// Path through the open descriptor; it stays valid if the name changes.
   const std::filesystem::path& path() const { return path_; }
   /// Flushes the file and gives it its final name. Errors: RunError.
@@ -38,8 +38,8 @@ class TemporaryEntry {
   std::filesystem::path target_;
   std::filesystem::path path_;
   std::string name_;
-  int folder_ = -1;
-  int entry_ = -1;
+  Descriptor folder_;
+  Descriptor entry_;
   int place_ = -1;  // slot in the list for the signal handler
   bool renamed_ = false;
 };

@@ -31,9 +31,8 @@ OutputFolder::OutputFolder(fs::path path) : path_(std::move(path)) {
         fmt::format("{}: cannot write into the folder: {}", path_.string(), std::strerror(errno)));
   }
   // A file system without locks is no reason to stop: only a lock that another holds is.
-  descriptor_ = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    close(descriptor_);
+  lock_.Set(open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (flock(lock_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     throw RunError(fmt::format(
         "{}: another gauntlet writes into this folder; wait for its end, or give another --out",
         path_.string()));
@@ -41,7 +40,7 @@ OutputFolder::OutputFolder(fs::path path) : path_(std::move(path)) {
 }
 
 OutputFolder::~OutputFolder() {
-  if (descriptor_ >= 0) close(descriptor_);
+  lock_.Close();
   if (keep_) return;
   std::error_code ignored;
   // Only folders that this object made, and only while they are empty.

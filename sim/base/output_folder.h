@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "sim/base/descriptor.h"
+
 namespace gauntlet::sim {
 
 /// A folder for results, made before long work begins so that an unwritable place is found at once.
@@ -14,8 +16,6 @@ class OutputFolder {
  public:
   explicit OutputFolder(std::filesystem::path path);
   ~OutputFolder();
-  OutputFolder(const OutputFolder&) = delete;
-  OutputFolder& operator=(const OutputFolder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
   void Keep() { keep_ = true; }
@@ -23,7 +23,7 @@ class OutputFolder {
  private:
   std::filesystem::path path_;
   std::vector<std::filesystem::path> made_;  // folders that were not there before, inside out
-  int descriptor_ = -1;                      // holds the lock
+  Descriptor lock_;
   bool keep_ = false;
 };
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "sim/base/csv_line.h"
+#include "sim/base/descriptor.h"
 #include "sim/base/error.h"
 #include "sim/base/json.h"
 #include "sim/base/text.h"
@@ -211,10 +212,9 @@ class UdpSink : public CountingSink {
         socket_(::socket(to_.storage.ss_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)),
         encoder_(std::move(encoder)) {
     const int on = 1;
-    setsockopt(socket_.descriptor(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
+    setsockopt(socket_.get(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
     // A connected socket is told that nothing listens there.
-    if (connect(socket_.descriptor(), reinterpret_cast<const sockaddr*>(&to_.storage), to_.size) !=
-        0) {
+    if (connect(socket_.get(), reinterpret_cast<const sockaddr*>(&to_.storage), to_.size) != 0) {
       throw UserError({.place = Shown(address.text), .problem = std::strerror(errno)});
     }
   }
@@ -223,11 +223,11 @@ class UdpSink : public CountingSink {
     const std::int64_t now_ns = MonotonicNow_ns();
     if (now_ns >= names_due_ns_) {
       const std::string names = encoder_->Names();
-      if (!names.empty()) send(socket_.descriptor(), names.data(), names.size(), MSG_NOSIGNAL);
+      if (!names.empty()) send(socket_.get(), names.data(), names.size(), MSG_NOSIGNAL);
       names_due_ns_ = now_ns + kNamesPeriod_ns;
     }
     const std::string bytes = encoder_->Frame(frame);
-    if (send(socket_.descriptor(), bytes.data(), bytes.size(), MSG_NOSIGNAL) >= 0) {
+    if (send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL) >= 0) {
       return Count(Result::kSent, bytes.size());
     }
     if (errno == EAGAIN || errno == ENOBUFS) return Count(Result::kDropped, 0);
@@ -236,7 +236,7 @@ class UdpSink : public CountingSink {
 
  private:
   SocketAddress to_;
-  Socket socket_;
+  Descriptor socket_;
   std::unique_ptr<FrameEncoder> encoder_;
   std::int64_t names_due_ns_ = 0;
 };

@@ -106,11 +106,6 @@ std::string LowLatencyFacts(int descriptor, const std::string& path) {
 
 SerialLine::SerialLine(const DeviceAddress& address) : address_(address) { Open(); }
 
-void SerialLine::Close() {
-  if (descriptor_ >= 0) close(descriptor_);
-  descriptor_ = -1;
-}
-
 void SerialLine::Open() {
   const auto fail = [this](const std::string& problem) {
     Close();
@@ -130,34 +125,34 @@ void SerialLine::Open() {
   if (stat(path.c_str(), &facts) == 0 && !S_ISCHR(facts.st_mode)) {
     fail("is no serial device; a recording is file:PATH");
   }
-  descriptor_ = open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor_ < 0) fail(ReasonNotOpened(path, errno));
-  if (isatty(descriptor_) == 0) fail("is no serial device");
+  line_.Set(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (!is_open()) fail(ReasonNotOpened(path, errno));
+  if (isatty(descriptor()) == 0) fail("is no serial device");
   // TIOCEXCL keeps other programs away, the lock another one of ours that runs as root.
-  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) fail(ReasonNotOpened(path, errno));
-  ioctl(descriptor_, TIOCEXCL);
+  if (flock(descriptor(), LOCK_EX | LOCK_NB) != 0) fail(ReasonNotOpened(path, errno));
+  ioctl(descriptor(), TIOCEXCL);
 
   termios line{};
-  if (tcgetattr(descriptor_, &line) != 0) fail(std::strerror(errno));
+  if (tcgetattr(descriptor(), &line) != 0) fail(std::strerror(errno));
   cfmakeraw(&line);
   line.c_cflag |= CLOCAL | CREAD;
   line.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS | CSTOPB);
   line.c_cc[VMIN] = 1;
   line.c_cc[VTIME] = 0;
   cfsetspeed(&line, speed->second);
-  if (tcsetattr(descriptor_, TCSANOW, &line) != 0) fail(std::strerror(errno));
-  if (tcgetattr(descriptor_, &line) != 0 || cfgetispeed(&line) != speed->second) {
+  if (tcsetattr(descriptor(), TCSANOW, &line) != 0) fail(std::strerror(errno));
+  if (tcgetattr(descriptor(), &line) != 0 || cfgetispeed(&line) != speed->second) {
     fail(fmt::format("the device does not take {} baud", address_.baud));
   }
-  facts_ = LowLatencyFacts(descriptor_, path);
+  facts_ = LowLatencyFacts(descriptor(), path);
   if (address_.dtr != DeviceAddress::Dtr::kAsFound) {
     const int dtr = TIOCM_DTR;
     const bool is_on = address_.dtr == DeviceAddress::Dtr::kOn;
-    if (ioctl(descriptor_, is_on ? TIOCMBIS : TIOCMBIC, &dtr) != 0) {
+    if (ioctl(descriptor(), is_on ? TIOCMBIS : TIOCMBIC, &dtr) != 0) {
       facts_ += ", DTR cannot be set";
     }
   }
-  tcflush(descriptor_, TCIFLUSH);  // bytes from before are old
+  tcflush(descriptor(), TCIFLUSH);  // bytes from before are old
 }
 
 std::string SerialLine::Reopen() {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "sim/base/descriptor.h"
 #include "sim/live/device/address.h"
 
 namespace gauntlet::sim {
@@ -13,13 +14,10 @@ class SerialLine {
  public:
   /// Errors: UserError in one line that says what to try.
   explicit SerialLine(const DeviceAddress& address);
-  ~SerialLine() { Close(); }
-  SerialLine(const SerialLine&) = delete;
-  SerialLine& operator=(const SerialLine&) = delete;
 
-  bool is_open() const { return descriptor_ >= 0; }
-  int descriptor() const { return descriptor_; }
-  void Close();
+  bool is_open() const { return line_.is_open(); }
+  int descriptor() const { return line_.get(); }
+  void Close() { line_.Close(); }
   /// Opens a line again that was closed, at most five times per second. Returns the reason if it
   /// stays closed; empty if it is open.
   std::string Reopen();
@@ -30,7 +28,7 @@ class SerialLine {
   void Open();
 
   DeviceAddress address_;
-  int descriptor_ = -1;
+  Descriptor line_;
   std::string facts_;
   std::string why_closed_;
   std::int64_t last_try_ns_ = 0;

@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "sim/base/descriptor.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/live/device/byte_device.h"
@@ -60,7 +61,7 @@ class UdpListener : public ByteDevice {
       : socket_(OpenSocket(address)), buffer_(kLargestPacket) {}
 
   FrameSource::State Wait(std::chrono::nanoseconds timeout, const Receiver& receive) override {
-    if (!WaitReadable(socket_.descriptor(), timeout)) return FrameSource::State::kOpen;
+    if (!WaitReadable(socket_.get(), timeout)) return FrameSource::State::kOpen;
     // A flood must not keep the caller from its own work.
     constexpr int kMostPackets = 1000;
     for (int i = 0; i < kMostPackets && TakePacket(receive); ++i) {
@@ -103,7 +104,7 @@ class UdpListener : public ByteDevice {
     message.msg_iovlen = 1;
     message.msg_control = control.data();
     message.msg_controllen = control.size();
-    const ssize_t got = recvmsg(socket_.descriptor(), &message, 0);
+    const ssize_t got = recvmsg(socket_.get(), &message, 0);
     if (got < 0) return false;
     const std::int64_t now_ns = MonotonicNow_ns();
     std::int64_t arrival_ns = now_ns;
@@ -148,17 +149,13 @@ class UdpListener : public ByteDevice {
     return false;
   }
 
-  Socket socket_;
+  Descriptor socket_;
   std::vector<char> buffer_;
   std::string host_;
   std::int64_t last_arrival_ns_ = 0;
 };
 
 }  // namespace
-
-Socket::~Socket() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
 
 SocketAddress FindSocketAddress(const DeviceAddress& address) {
   addrinfo wanted{};

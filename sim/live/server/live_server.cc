@@ -16,7 +16,6 @@
 #include <optional>
 #include <span>
 #include <stop_token>
-#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -57,11 +56,11 @@ sockaddr_in AddressOf(const LiveServerConfig& config) {
 }
 
 /// Listens at the address of `config`; gives it the port, if any was asked for.
-bool Listen(const Socket& listener, LiveServerConfig& config) {
+bool Listen(const Descriptor& listener, LiveServerConfig& config) {
   constexpr int kBacklog = 1024;        // one without a place there tries again after a second
   constexpr int kSendBuffer = 1 << 16;  // a browser that does not read is noticed when it is full
   const int yes = 1;
-  const int socket = listener.descriptor();
+  const int socket = listener.get();
   // Those that are accepted have the same options. Not SO_REUSEPORT: another program could share
   // the port.
   setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -108,7 +107,7 @@ class LiveServer::Server {
   Server(LiveServerConfig config, LiveView& view) : config_(std::move(config)), view_(view) {
     config_.token = RandomToken();
     {
-      const Socket listener(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+      const Descriptor listener(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
       if (!Listen(listener, config_)) {
         throw UserError(
             {.place = fmt::format("--page {}", config_.port),

@@ -63,31 +63,23 @@ void KeepServer(const LiveServerConfig& config, int listener, int session) noexc
 
 }  // namespace
 
-PageProcess::Ends::Ends() {
+PageProcess::PageProcess(const LiveServerConfig& config, const Descriptor& listener) {
   int ends[2] = {-1, -1};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends) != 0) {
     throw RunError(fmt::format("cannot start the process of the page: {}",
                                std::generic_category().message(errno)));
   }
-  of_session = ends[0];
-  of_page = ends[1];
-}
-
-PageProcess::PageProcess(const LiveServerConfig& config, const Socket& listener)
-    : PageProcess(config, listener, Ends()) {}
-
-PageProcess::PageProcess(const LiveServerConfig& config, const Socket& listener, const Ends& ends)
-    : session_(ends.of_session) {
-  const Socket page(ends.of_page);
+  session_.Set(ends[0]);
+  const Descriptor page(ends[1]);
   try {
-    keeper_.emplace([&] { KeepServer(config, listener.descriptor(), page.descriptor()); });
+    keeper_.emplace([&] { KeepServer(config, listener.get(), page.get()); });
   } catch (const std::system_error& error) {
     throw RunError(fmt::format("cannot start the process of the page: {}", error.code().message()));
   }
 }
 
 PageProcess::~PageProcess() {
-  shutdown(session_.descriptor(), SHUT_WR);
+  shutdown(session_.get(), SHUT_WR);
   constexpr int kMostLooks = 400;
   constexpr auto kLook = std::chrono::milliseconds(5);
   for (int i = 0; i < kMostLooks && !keeper_->HasEnded(); ++i) std::this_thread::sleep_for(kLook);
@@ -95,15 +87,14 @@ PageProcess::~PageProcess() {
 
 void PageProcess::Send(std::string_view event) noexcept {
   if (event.empty() || event.size() > kMostEventBytes) return;
-  while (send(session_.descriptor(), event.data(), event.size(), MSG_DONTWAIT | MSG_NOSIGNAL) < 0 &&
+  while (send(session_.get(), event.data(), event.size(), MSG_DONTWAIT | MSG_NOSIGNAL) < 0 &&
          errno == EINTR) {
   }
 }
 
 std::optional<PageMessage> PageProcess::Receive() noexcept {
   PageMessage message;
-  const ssize_t size =
-      recv(session_.descriptor(), &message, sizeof message, MSG_DONTWAIT | MSG_TRUNC);
+  const ssize_t size = recv(session_.get(), &message, sizeof message, MSG_DONTWAIT | MSG_TRUNC);
   if (size == sizeof message) return message;
   // A reset is told once, before the last messages of an end that left some unread.
   is_gone_ = size == 0 || (size < 0 && errno != EAGAIN && errno != EINTR && errno != ECONNRESET);

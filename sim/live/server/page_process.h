@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "sim/base/child_process.h"
-#include "sim/live/device/udp_socket.h"
+#include "sim/base/descriptor.h"
 #include "sim/live/server/page_server.h"
 
 namespace gauntlet::sim {
@@ -21,7 +21,7 @@ class PageProcess {
 
   /// To be made while no other thread runs. `listener` listens; the page has it from now on.
   /// Errors: RunError if the system gives no process.
-  PageProcess(const LiveServerConfig& config, const Socket& listener);
+  PageProcess(const LiveServerConfig& config, const Descriptor& listener);
   /// Waits for its end, at most 2 s.
   ~PageProcess();
   PageProcess(const PageProcess&) = delete;
@@ -35,14 +35,7 @@ class PageProcess {
   bool IsGone() const { return is_gone_; }
 
  private:
-  struct Ends {
-    Ends();
-    int of_session = -1;
-    int of_page = -1;
-  };
-  PageProcess(const LiveServerConfig& config, const Socket& listener, const Ends& ends);
-
-  Socket session_;
+  Descriptor session_;
   std::optional<ChildProcess> keeper_;
   bool is_gone_ = false;
 };

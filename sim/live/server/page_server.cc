@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/live/device/udp_socket.h"
+#include "sim/base/descriptor.h"
 #include "sim/live/server/http_request.h"
 #include "sim/live/server/switch_limit.h"
 
@@ -57,7 +57,7 @@ struct Connection {
 
   bool has_output() const { return sent < head.size() + body.size(); }
 
-  Socket socket;
+  Descriptor socket;
   State state = State::kReads;
   Clock::time_point until = Clock::now() + kForRequest;  // then it is closed
   Clock::time_point progress = {};                       // of its output
@@ -139,9 +139,8 @@ class PageServer {
     for (const Connection& connection : connections_) {
       const bool reads = connection.state != State::kAnswers;
       const int events = (reads ? POLLIN : 0) | (connection.has_output() ? POLLOUT : 0);
-      places.push_back({.fd = connection.socket.descriptor(),
-                        .events = static_cast<short>(events),
-                        .revents = 0});
+      places.push_back(
+          {.fd = connection.socket.get(), .events = static_cast<short>(events), .revents = 0});
     }
     poll(places.data(), places.size(), kLook_ms);
   }
@@ -196,7 +195,7 @@ class PageServer {
     if (connection.state != State::kClosed) Send(connection);
     if (connection.state == State::kAnswers && !connection.has_output()) {
       // Closed with unread bytes, the answer would not arrive.
-      shutdown(connection.socket.descriptor(), SHUT_WR);
+      shutdown(connection.socket.get(), SHUT_WR);
       connection.state = State::kDrains;
       connection.until = now_ + kForLastWords;
     }
@@ -207,7 +206,7 @@ class PageServer {
   void Read(Connection& connection) {
     std::array<char, kMostRequestBytes> bytes;
     const std::size_t room = kMostRequestBytes - connection.request.size();
-    const ssize_t size = recv(connection.socket.descriptor(), bytes.data(), room, 0);
+    const ssize_t size = recv(connection.socket.get(), bytes.data(), room, 0);
     if (size < 0 && WouldBlock()) return;
     if (size <= 0) {
       connection.state = State::kClosed;
@@ -335,8 +334,7 @@ class PageServer {
       const std::string_view rest = connection.sent < head.size()
                                         ? head.substr(connection.sent)
                                         : connection.body.substr(connection.sent - head.size());
-      const ssize_t size =
-          send(connection.socket.descriptor(), rest.data(), rest.size(), MSG_NOSIGNAL);
+      const ssize_t size = send(connection.socket.get(), rest.data(), rest.size(), MSG_NOSIGNAL);
       if (size < 0) {
         const bool may_go_on = WouldBlock() && now_ - connection.progress < kForProgress;
         if (!may_go_on) connection.state = State::kClosed;
@@ -350,7 +348,7 @@ class PageServer {
   /// Throws away what arrives; notices the end.
   static void Drain(Connection& connection) {
     std::array<char, kMostRequestBytes> bytes;
-    const ssize_t size = recv(connection.socket.descriptor(), bytes.data(), bytes.size(), 0);
+    const ssize_t size = recv(connection.socket.get(), bytes.data(), bytes.size(), 0);
     if (size == 0 || (size < 0 && !WouldBlock())) connection.state = State::kClosed;
   }
 

@@ -354,18 +354,6 @@ Starter& TheStarter() {
 
 }  // namespace
 
-void Descriptor::Set(int descriptor) {
-  Close();
-  descriptor_ = descriptor;
-}
-
-int Descriptor::Release() { return std::exchange(descriptor_, -1); }
-
-void Descriptor::Close() {
-  if (descriptor_ >= 0) close(descriptor_);
-  descriptor_ = -1;
-}
-
 void ForgetSurroundings() { TheStarter().End(); }
 
 SupervisedProcess::SupervisedProcess(const ProgramCommand& command,

@@ -6,25 +6,10 @@
 #include <vector>
 
 #include "sim/base/child_process.h"
+#include "sim/base/descriptor.h"
 #include "sim/trial/external/command_words.h"
 
 namespace gauntlet::sim {
-
-/// A descriptor of this process. Closes it.
-class Descriptor {
- public:
-  explicit Descriptor(int descriptor = -1) : descriptor_(descriptor) {}
-  ~Descriptor() { Close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return descriptor_; }
-  void Set(int descriptor);
-  int Release();
-  void Close();
-
- private:
-  int descriptor_;
-};
 
 /// Processes of a program that had left its process group, and so may not know of its end: their
 /// names as the system shows them.
