@@ -6,10 +6,8 @@
 
 #include "controller/kinds.h"
 #include "controller/settings.h"
-#include "sim/glove/faults/analog_faults.h"
-#include "sim/glove/faults/digital_faults.h"
 #include "sim/glove/faults/fault.h"
-#include "sim/glove/faults/time_jitter.h"
+#include "sim/glove/faults/kinds_of_faults.h"
 
 namespace gauntlet::sim {
 
