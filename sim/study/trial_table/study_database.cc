@@ -80,10 +80,8 @@ struct StudyDatabase::State {
       }
       const auto count = table.Prepare(
           "SELECT count(*) FROM trial WHERE study = ? AND controller = ? AND settings = ? "
-          "AND typeof(seed) = 'integer'");
-      count->bind(1, key.study);
-      count->bind(2, key.controller);
-      count->bind(3, key.settings);
+          "AND typeof(seed) = 'integer'",
+          key.study, key.controller, key.settings);
       count->executeStep();
       known += count->getColumn(0).getInt();
     }
@@ -92,12 +90,10 @@ struct StudyDatabase::State {
 
   /// Puts the study into its table. Its trials become the newest as they are asked for.
   void Start() {
-    const auto add = table.Prepare(
+    table.Run(
         "INSERT INTO study VALUES (?, ?) "
-        "ON CONFLICT (hash) DO UPDATE SET scenario = excluded.scenario");
-    add->bind(1, identity.hash);
-    add->bind(2, identity.shared_settings);
-    add->exec();
+        "ON CONFLICT (hash) DO UPDATE SET scenario = excluded.scenario",
+        identity.hash, identity.shared_settings);
     table.database().exec("UPDATE trial SET newest = 0 WHERE newest <> 0");
   }
 
@@ -129,11 +125,10 @@ std::optional<TrialOutcome> StudyDatabase::Take(int seed, std::size_t controller
   auto trial = state_->found.extract({seed, controller});
   if (trial.empty()) return std::nullopt;
   state_->table.Add([key = state_->KeyOf(seed, controller)](TrialTable& table) {
-    const auto show = table.Prepare(
+    table.Run(
         "UPDATE trial SET newest = 1 "
-        "WHERE study = ? AND controller = ? AND settings = ? AND seed = ?");
-    Bind(key, *show);
-    show->exec();
+        "WHERE study = ? AND controller = ? AND settings = ? AND seed = ?",
+        key.study, key.controller, key.settings, key.seed);
   });
   return std::move(trial.mapped());
 }

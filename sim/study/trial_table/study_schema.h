@@ -3,7 +3,6 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 
 #include <filesystem>
-#include <string>
 #include <string_view>
 
 #include "sim/base/error.h"

@@ -38,23 +38,12 @@ using Values = std::vector<std::pair<std::string, std::string>>;
 
 void WriteCell(const std::string& sweep, const SweepCellRecord& cell, const Values& values,
                TrialTable& table) {
-  auto add = table.Prepare("INSERT OR REPLACE INTO cell VALUES (?, ?, ?, ?, ?, ?, ?)");
-  add->bind(1, sweep);
-  add->bind(2, cell.number);
-  add->bind(3, cell.controller);
-  add->bind(4, cell.study);
-  add->bind(5, cell.settings);
-  add->bind(6, fmt::format("{}", fmt::join(cell.motions, " ")));
-  add->bind(7, cell.problem);
-  add->exec();
-  auto value = table.Prepare("INSERT OR REPLACE INTO cell_value VALUES (?, ?, ?, ?)");
+  table.Run("INSERT OR REPLACE INTO cell VALUES (?, ?, ?, ?, ?, ?, ?)", sweep, cell.number,
+            cell.controller, cell.study, cell.settings,
+            fmt::format("{}", fmt::join(cell.motions, " ")), cell.problem);
   for (const auto& [key, text] : values) {
-    value->bind(1, sweep);
-    value->bind(2, cell.number);
-    value->bind(3, key);
-    value->bind(4, text);
-    value->exec();
-    value->reset();
+    table.Run("INSERT OR REPLACE INTO cell_value VALUES (?, ?, ?, ?)", sweep, cell.number, key,
+              text);
   }
 }
 
@@ -95,10 +84,7 @@ void SweepDatabase::Keep(const TrialKey& key, const TrialOutcome& outcome) {
 void SweepDatabase::AddStudy(const std::string& study, const std::string& scenario) {
   const std::lock_guard lock(state_->mutex);
   state_->table.Add([study, scenario](TrialTable& table) {
-    auto add = table.Prepare("INSERT OR IGNORE INTO study VALUES (?, ?)");
-    add->bind(1, study);
-    add->bind(2, scenario);
-    add->exec();
+    table.Run("INSERT OR IGNORE INTO study VALUES (?, ?)", study, scenario);
   });
 }
 
@@ -116,9 +102,8 @@ std::vector<SweepCellRecord> SweepDatabase::CellAt(std::int64_t number) {
   try {
     auto query = state_->table.Prepare(
         "SELECT controller, study, settings, motions, problem FROM cell "
-        "WHERE sweep = ? AND number = ? ORDER BY controller");
-    query->bind(1, state_->sweep);
-    query->bind(2, number);
+        "WHERE sweep = ? AND number = ? ORDER BY controller",
+        state_->sweep, number);
     while (query->executeStep()) {
       SweepCellRecord& record =
           records.emplace_back(SweepCellRecord{.number = number,

@@ -29,13 +29,6 @@ std::string_view TextOf(const SQLite::Column& column) {
 
 }  // namespace
 
-void Bind(const TrialKey& key, SQLite::Statement& statement) {
-  statement.bind(1, key.study);
-  statement.bind(2, key.controller);
-  statement.bind(3, key.settings);
-  statement.bind(4, key.seed);
-}
-
 std::string KeptIn(const std::filesystem::path& file) {
   return "kept in " + file.string() + ": the same command continues from there";
 }
@@ -91,7 +84,7 @@ void TrialTable::Open() {
   }
 }
 
-TrialTable::Prepared TrialTable::Prepare(std::string_view sql) {
+TrialTable::Prepared TrialTable::Find(std::string_view sql) {
   auto known = statements_.find(sql);
   if (known == statements_.end()) {
     known = statements_.try_emplace(sql, *database_, std::string(sql)).first;
@@ -104,9 +97,8 @@ std::vector<std::optional<TrialOutcome>> TrialTable::Read(const TrialKey& first,
   try {
     const Prepared trials = Prepare(
         "SELECT id, seed, problem, checksum FROM trial WHERE study = ? AND controller = ? "
-        "AND settings = ? AND seed >= ? AND seed < ? AND typeof(seed) = 'integer'");
-    Bind(first, *trials);
-    trials->bind(5, first.seed + seeds);
+        "AND settings = ? AND seed >= ? AND seed < ? AND typeof(seed) = 'integer'",
+        first.study, first.controller, first.settings, first.seed, first.seed + seeds);
     TrialKey key = first;
     while (trials->executeStep()) {
       ThrowIfStopped();
@@ -141,8 +133,7 @@ bool TrialTable::ReadParts(std::int64_t row, TrialOutcome& outcome) {
   Scores& scores = outcome.scores;
   scores.summary.assign(Metrics().size(), std::numeric_limits<double>::quiet_NaN());
   scores.channels.assign(options_.rows.size(), scores.summary);
-  const Prepared query = Prepare("SELECT channel, metric, value FROM score WHERE trial = ?");
-  query->bind(1, row);
+  const Prepared query = Prepare("SELECT channel, metric, value FROM score WHERE trial = ?", row);
   while (query->executeStep()) {
     const std::string_view channel = TextOf(query->getColumn(0));
     const std::optional<std::size_t> metric = FindMetric(TextOf(query->getColumn(1)));
@@ -155,8 +146,7 @@ bool TrialTable::ReadParts(std::int64_t row, TrialOutcome& outcome) {
   }
   outcome.untrusted_samples.assign(options_.channels.size(), 0);
   if (options_.channels.empty()) return true;
-  const Prepared counts = Prepare("SELECT channel, samples FROM untrusted WHERE trial = ?");
-  counts->bind(1, row);
+  const Prepared counts = Prepare("SELECT channel, samples FROM untrusted WHERE trial = ?", row);
   while (counts->executeStep()) {
     const std::size_t place = place_of(options_.channels, TextOf(counts->getColumn(0)));
     const SQLite::Column samples = counts->getColumn(1);
@@ -216,11 +206,7 @@ void TrialTable::WriteAll() {
 /// With what is left of them. Where a key is damaged, rows are out of order, and SQLite does not
 /// find the rows behind them: so all rows are written again.
 void TrialTable::RemoveDamaged() {
-  for (const std::int64_t row : damaged_rows_) {
-    const Prepared remove = Prepare("DELETE FROM trial WHERE id = ?");
-    remove->bind(1, row);
-    remove->exec();
-  }
+  for (const std::int64_t row : damaged_rows_) Run("DELETE FROM trial WHERE id = ?", row);
   for (const char* table : {"score", "untrusted"}) {
     database_->exec(
         fmt::format("CREATE TABLE temp.whole AS SELECT * FROM main.{0} "
@@ -235,53 +221,39 @@ void TrialTable::RemoveDamaged() {
 /// True if there was one.
 bool TrialTable::Remove(const TrialKey& key) {
   const Prepared find = Prepare(
-      "SELECT id FROM trial WHERE study = ? AND controller = ? AND settings = ? AND seed = ?");
-  Bind(key, *find);
+      "SELECT id FROM trial WHERE study = ? AND controller = ? AND settings = ? AND seed = ?",
+      key.study, key.controller, key.settings, key.seed);
   if (!find->executeStep()) return false;
   const std::int64_t row = find->getColumn(0).getInt64();
   find->reset();
   for (const std::string_view sql :
        {"DELETE FROM score WHERE trial = ?", "DELETE FROM untrusted WHERE trial = ?",
         "DELETE FROM trial WHERE id = ?"}) {
-    const Prepared remove = Prepare(sql);
-    remove->bind(1, row);
-    remove->exec();
+    Run(sql, row);
   }
   return true;
 }
 
 void TrialTable::Insert(const TrialKey& key, const TrialOutcome& outcome) {
-  const Prepared add = Prepare(
-      "INSERT INTO trial (study, controller, settings, seed, problem, newest, checksum) "
-      "VALUES (?, ?, ?, ?, ?, 1, ?)");
-  Bind(key, *add);
-  add->bind(5, outcome.health.problem);
-  add->bind(6, options_.checksum(key, outcome, options_.metrics));
-  add->exec();
+  Run("INSERT INTO trial (study, controller, settings, seed, problem, newest, checksum) "
+      "VALUES (?, ?, ?, ?, ?, 1, ?)",
+      key.study, key.controller, key.settings, key.seed, outcome.health.problem,
+      options_.checksum(key, outcome, options_.metrics));
   const std::int64_t row = database_->getLastInsertRowid();
-  const Prepared score = Prepare("INSERT INTO score VALUES (?, ?, ?, ?)");
-  score->bind(1, row);
   const auto add_scores = [&](const std::string& channel, const std::vector<double>& values) {
-    score->bind(2, channel);
     for (const std::size_t metric : options_.metrics) {
       if (!std::isfinite(values[metric])) continue;  // a missing score has no row
-      score->bind(3, std::string(Metrics()[metric].key));
-      score->bind(4, values[metric]);
-      score->exec();
-      score->reset();
+      Run("INSERT INTO score VALUES (?, ?, ?, ?)", row, channel, std::string(Metrics()[metric].key),
+          values[metric]);
     }
   };
   add_scores(std::string(kSummaryChannel), outcome.scores.summary);
   for (std::size_t i = 0; i < options_.rows.size(); ++i) {
     add_scores(options_.rows[i], outcome.scores.channels[i]);
   }
-  const Prepared count = Prepare("INSERT INTO untrusted VALUES (?, ?, ?)");
-  count->bind(1, row);
   for (std::size_t c = 0; c < options_.channels.size(); ++c) {
-    count->bind(2, options_.channels[c]);
-    count->bind(3, outcome.untrusted_samples[c]);
-    count->exec();
-    count->reset();
+    Run("INSERT INTO untrusted VALUES (?, ?, ?)", row, options_.channels[c],
+        outcome.untrusted_samples[c]);
   }
 }
 

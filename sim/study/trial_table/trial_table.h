@@ -1,6 +1,7 @@
 #pragma once
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <SQLiteCpp/VariadicBind.h>
 
 #include <chrono>
 #include <cstdint>
@@ -89,10 +90,22 @@ class TrialTable {
   int damaged() const { return damaged_; }
   const std::filesystem::path& file() const { return file_; }
   SQLite::Database& database() { return *database_; }
-  /// A statement that is made once; `sql` is a literal. Errors: SQLite::Exception.
-  Prepared Prepare(std::string_view sql);
+  /// A statement with its values in order. It is made once; `sql` is a literal.
+  /// Errors: SQLite::Exception.
+  template <class... Values>
+  Prepared Prepare(std::string_view sql, const Values&... values) {
+    Prepared statement = Find(sql);
+    SQLite::bind(*statement, values...);
+    return statement;
+  }
+  /// Runs a statement that gives no rows. Errors: SQLite::Exception.
+  template <class... Values>
+  void Run(std::string_view sql, const Values&... values) {
+    Prepare(sql, values...)->exec();
+  }
 
  private:
+  Prepared Find(std::string_view sql);
   void Open();
   void Close();
   bool ReadParts(std::int64_t row, TrialOutcome& outcome);
@@ -117,8 +130,5 @@ class TrialTable {
   int damaged_ = 0;
   int added_ = 0;
 };
-
-/// To the first four places of a statement.
-void Bind(const TrialKey& key, SQLite::Statement& statement);
 
 }  // namespace gauntlet::sim
