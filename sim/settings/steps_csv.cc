@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -26,49 +27,19 @@ std::string Cell(std::string_view column, double value) {
 }  // namespace
 
 std::string_view NameOf(GloveStatus status) {
-  switch (status) {
-    case GloveStatus::kGood:
-      return "good";
-    case GloveStatus::kHeld:
-      return "held";
-    case GloveStatus::kTooOften:
-      return "too_often";
-    case GloveStatus::kLost:
-      return "lost";
-  }
-  return {};
+  constexpr std::array<std::string_view, 4> kNames = {"good", "held", "too_often", "lost"};
+  return kNames.at(static_cast<std::size_t>(status));
 }
 
 std::string_view NameOf(controller::LoopStatus status) {
-  switch (status) {
-    case controller::LoopStatus::kInTime:
-      return "in_time";
-    case controller::LoopStatus::kOverrun:
-      return "overrun";
-    case controller::LoopStatus::kWrongRate:
-      return "wrong_rate";
-  }
-  return {};
+  constexpr std::array<std::string_view, 3> kNames = {"in_time", "overrun", "wrong_rate"};
+  return kNames.at(static_cast<std::size_t>(status));
 }
 
 std::string_view NameOf(Untrusted reason) {
-  switch (reason) {
-    case Untrusted::kMissing:
-      return "missing";
-    case Untrusted::kInfinite:
-      return "infinite";
-    case Untrusted::kOutOfRange:
-      return "out_of_range";
-    case Untrusted::kFullScale:
-      return "full_scale";
-    case Untrusted::kStuck:
-      return "stuck";
-    case Untrusted::kJumped:
-      return "jumped";
-    case Untrusted::kStale:
-      return "stale";
-  }
-  return {};
+  constexpr std::array<std::string_view, controller::kUntrustedKinds> kNames = {
+      "missing", "infinite", "out_of_range", "full_scale", "stuck", "jumped", "stale"};
+  return kNames.at(static_cast<std::size_t>(reason));
 }
 
 std::string StepsToCsv(std::span<const std::string> column_names, std::span<const double> rows) {

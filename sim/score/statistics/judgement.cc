@@ -1,25 +1,15 @@
 #include "sim/score/statistics/judgement.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
 namespace gauntlet::sim {
 
 std::string_view JudgementText(Judgement judgement) {
-  switch (judgement) {
-    case Judgement::kNone:
-      return "";
-    case Judgement::kBetter:
-      return "better";
-    case Judgement::kEqual:
-      return "equal";
-    case Judgement::kUndecided:
-      return "undecided";
-    case Judgement::kWorse:
-      return "worse";
-  }
-  return "";
+  constexpr std::array<std::string_view, 5> kTexts = {"", "better", "equal", "undecided", "worse"};
+  return kTexts.at(static_cast<std::size_t>(judgement));
 }
 
 std::string_view JudgementWord(Judgement judgement) {
