@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/base/masked_stretch.h"
+#include "sim/score/no_score.h"
 
 namespace gauntlet::sim {
 
@@ -46,5 +47,19 @@ CountedTicks Without(const CountedTicks& counted, const TickRange& left_out);
 
 /// How many ticks these are.
 int CountOf(const CountedTicks& counted);
+
+/// Share of the counted ticks, without the first ones of each range, for which `is_so(tick)`.
+template <class IsSo>
+double ShareOfTicks(const CountedTicks& counted, const IsSo& is_so, int left_out = 0) {
+  int count = 0;
+  int so = 0;
+  for (const TickRange& range : counted) {
+    for (int n = range.begin + left_out; n < range.end; ++n) {
+      ++count;
+      so += is_so(n) ? 1 : 0;
+    }
+  }
+  return count == 0 ? kNoScore : static_cast<double>(so) / count;
+}
 
 }  // namespace gauntlet::sim

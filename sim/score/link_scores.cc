@@ -9,23 +9,6 @@
 #include "sim/score/no_score.h"
 
 namespace gauntlet::sim {
-namespace {
-
-/// Share of the ticks that count, without the first ones of each range, for which `is_so(tick)`.
-template <class IsSo>
-double ShareOfTicks(const CountedTicks& counted, int left_out, const IsSo& is_so) {
-  int count = 0;
-  int so = 0;
-  for (const TickRange& range : counted) {
-    for (int n = range.begin + left_out; n < range.end; ++n) {
-      ++count;
-      so += is_so(n) ? 1 : 0;
-    }
-  }
-  return count == 0 ? kNoScore : static_cast<double>(so) / count;
-}
-
-}  // namespace
 
 double SampleAge(const LinkSignals& link, double share, const CountedTicks& counted) {
   std::vector<double> ages_s;
@@ -41,12 +24,13 @@ double FrozenShare(const LinkSignals& link, double rate_hz, const CountedTicks& 
   const auto capture = [&](int tick) {
     return tick - std::llround(link.sample_age_s[static_cast<std::size_t>(tick)] * rate_hz);
   };
-  return ShareOfTicks(counted, before, [&](int n) { return capture(n) == capture(n - before); });
+  return ShareOfTicks(
+      counted, [&](int n) { return capture(n) == capture(n - before); }, before);
 }
 
 double TierShare(const LinkSignals& link, int tier, const CountedTicks& counted) {
   return ShareOfTicks(
-      counted, 0, [&](int n) { return link.watchdog_tier[static_cast<std::size_t>(n)] == tier; });
+      counted, [&](int n) { return link.watchdog_tier[static_cast<std::size_t>(n)] == tier; });
 }
 
 double LargestJump(std::span<const int> command_counts, const CountedTicks& counted) {

@@ -50,16 +50,6 @@ double PeakTension(const ScoredCable& cable) {
   return cable.tension_n.empty() ? kNoScore : PeakWithin(cable.tension_n, cable.counted);
 }
 
-double OverlapShare(std::span<const double> overlap_m, const CountedTicks& counted) {
-  constexpr double kDeepM = 2e-3;
-  int deep = 0;
-  for (const TickRange& range : counted) {
-    for (int n = range.begin; n < range.end; ++n) deep += overlap_m[n] > kDeepM ? 1 : 0;
-  }
-  const int count = CountOf(counted);
-  return count == 0 ? kNoScore : static_cast<double>(deep) / count;
-}
-
 /// At a quantile [ms].
 double AgeMs(const ScoredHand& hand, double share) {
   return hand.link.exist() ? 1e3 * SampleAge(hand.link, share, hand.counted) : kNoScore;
@@ -557,7 +547,9 @@ constexpr MetricRow kRows[] = {
           "10 ms; of the whole hand",
       .relevant_difference = kShareOfTime},
      [](const ScoredHand& h) {
-       return h.digit_overlap_m.empty() ? kNoScore : OverlapShare(h.digit_overlap_m, h.counted);
+       constexpr double kDeepM = 2e-3;
+       const auto is_deep = [&](int n) { return h.digit_overlap_m[n] > kDeepM; };
+       return h.digit_overlap_m.empty() ? kNoScore : ShareOfTicks(h.counted, is_deep);
      }},
     {{.key = "sample_age_p50_ms",
       .name = "sample age p50",

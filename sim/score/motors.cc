@@ -66,13 +66,7 @@ double SpectralCentroid(std::span<const double> speed, double rate_hz, const Cou
 
 double SlackShare(std::span<const double> tension_n, const CountedTicks& counted) {
   GAUNTLET_ASSERT(AreWithin(counted, std::ssize(tension_n)));
-  std::ptrdiff_t slack = 0;
-  for (const TickRange& range : counted) {
-    slack += std::count_if(tension_n.begin() + range.begin, tension_n.begin() + range.end,
-                           [](double tension) { return tension <= kSlackTension_n; });
-  }
-  const int count = CountOf(counted);
-  return count == 0 ? kNoScore : static_cast<double>(slack) / count;
+  return ShareOfTicks(counted, [&](int n) { return tension_n[n] <= kSlackTension_n; });
 }
 
 }  // namespace gauntlet::sim

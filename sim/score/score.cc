@@ -13,6 +13,7 @@
 #include "sim/score/jitter.h"
 #include "sim/score/metrics.h"
 #include "sim/score/no_score.h"
+#include "sim/score/tracking.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -126,13 +127,6 @@ GraspSignals GraspOf(const ScoreInput& input, int rows) {
           .friction = input.object_friction};
 }
 
-/// Empty if one of them is.
-std::vector<double> Difference(std::span<const double> values, std::span<const double> others) {
-  std::vector<double> difference(std::min(values.size(), others.size()));
-  for (std::size_t n = 0; n < difference.size(); ++n) difference[n] = values[n] - others[n];
-  return difference;
-}
-
 /// Fills in the metrics that are measured on this kind of part, and wanted.
 template <class Part>
 void Score(const Part& part, const std::vector<bool>& wanted, std::vector<double>& values) {
@@ -243,7 +237,7 @@ Scores ComputeScores(const ScoreInput& input, const ScoreRows& table,
                        .deg_per_count = {},
                        .counted = all.CountedOf(&CountedParts::motors, static_cast<int>(motor)),
                        .fourier = fourier};
-    scored.noise_rad_s = Difference(
+    scored.noise_rad_s = Differences(
         scored.speed_rad_s, ColumnOrNothing(input.noise_free_motor_speed_rad_s, motor, rows));
     if (!input.saturation_share.empty()) scored.saturation_share = input.saturation_share[motor];
     if (!input.deg_per_count.empty()) scored.deg_per_count = input.deg_per_count[motor];

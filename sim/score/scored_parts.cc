@@ -94,11 +94,7 @@ ScoredJoint::ScoredJoint(const ScoreInput& input, int column, const AllJoints& a
       reference_rad(Column(*input.reference_angle_rad, column, input.hand_angle_rad->rows())),
       hand_rad(Column(*input.hand_angle_rad, column, input.hand_angle_rad->rows())),
       counted(all.CountedOf(&CountedParts::joints, column)),
-      error_rad([this] {
-        std::vector<double> error(hand_rad.size());
-        for (std::size_t n = 0; n < error.size(); ++n) error[n] = hand_rad[n] - reference_rad[n];
-        return error;
-      }),
+      error_rad([this] { return Differences(hand_rad, reference_rad); }),
       wearer([this, &input] {
         return AnalyseWearer(reference_rad, rate_hz, input.segments, counted);
       }),
@@ -153,9 +149,8 @@ double ScoredJoint::PartOfError(ErrorCause cause) const {
 double ScoredJoint::ErrorOfSwitched(const Signal* hand) const {
   const int ticks = all_.input.switched_off_ticks;
   if (ticks == 0 || hand == nullptr) return kNoScore;
-  std::vector<double> error(static_cast<std::size_t>(ticks));
-  for (int n = 0; n < ticks; ++n) error[n] = (*hand)(n, column_) - reference_rad[n];
-  return RmsWithin(error, 0, Overlap({{0, ticks}}, counted));
+  return RmsWithin(Differences(Column(*hand, column_, ticks), reference_rad), 0,
+                   Overlap({{0, ticks}}, counted));
 }
 
 double ScoredJoint::ErrorWithAll() const { return ErrorOfSwitched(all_.input.hand_angle_rad); }

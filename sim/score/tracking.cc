@@ -13,6 +13,12 @@ double Rms(std::span<const double> values) {
   return std::sqrt(squares / static_cast<double>(values.size()));
 }
 
+std::vector<double> Differences(std::span<const double> values, std::span<const double> others) {
+  std::vector<double> differences(std::min(values.size(), others.size()));
+  for (std::size_t i = 0; i < differences.size(); ++i) differences[i] = values[i] - others[i];
+  return differences;
+}
+
 double RmsWithin(std::span<const double> values, int first_tick,
                  const std::vector<TickRange>& ranges) {
   double squares = 0.0;

@@ -10,6 +10,9 @@ namespace gauntlet::sim {
 /// sqrt(mean(values^2)); NaN of nothing. Units: those of the input.
 double Rms(std::span<const double> values);
 
+/// values - others, one by one; as long as the shorter of them.
+std::vector<double> Differences(std::span<const double> values, std::span<const double> others);
+
 /// RMS of the values within ranges; value 0 belongs to tick `first_tick`.
 double RmsWithin(std::span<const double> values, int first_tick,
                  const std::vector<TickRange>& ranges);

@@ -8,6 +8,7 @@
 
 #include "controller/number.h"
 #include "sim/base/student.h"
+#include "sim/score/tracking.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -72,12 +73,6 @@ double MotionShare(const std::vector<Sample>& motions) {
   const double effective_count = (count - counts_squared / count) / (groups - 1.0);
   const double motion = std::max(0.0, (between / (groups - 1.0) - noise) / effective_count);
   return motion + noise > 0.0 ? motion / (motion + noise) : controller::kNaN;
-}
-
-std::vector<double> Differences(std::span<const double> first, std::span<const double> second) {
-  std::vector<double> differences(std::min(first.size(), second.size()));
-  for (std::size_t i = 0; i < differences.size(); ++i) differences[i] = first[i] - second[i];
-  return differences;
 }
 
 }  // namespace
