@@ -1,5 +1,3 @@
-#include "sim/trial/trace_csv.h"
-
 #include <fmt/format.h>
 
 #include <cerrno>
@@ -10,6 +8,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/output_file.h"
+#include "sim/trial/trace_file.h"
 #include "sim/trial/trace_signals.h"
 
 namespace gauntlet::sim {

@@ -1,5 +1,3 @@
-#include "sim/trial/trace_mcap.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "sim/base/output_file.h"
 #include "sim/tables/mcap_writer.h"
+#include "sim/trial/trace_file.h"
 #include "sim/trial/trace_signals.h"
 
 namespace gauntlet::sim {

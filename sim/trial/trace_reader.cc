@@ -121,10 +121,9 @@ void SendController(const H5::H5File& input, const std::string& name, TraceSende
   const H5::Group group = input.openGroup("controllers/" + name);
   const Trace none;
   ForEachSignal(none, [&]<class Scalar>(const TraceSignal<Scalar>& signal, const auto&) {
-    using Value = std::conditional_t<std::is_same_v<Scalar, double>, float, Scalar>;
     const std::string dataset(signal.name);
     if (!group.nameExists(dataset)) return sender.Size(0, 0);
-    SendMatrix<Value>(group.openDataSet(dataset), sender);
+    SendMatrix<Stored<Scalar>>(group.openDataSet(dataset), sender);
   });
   sender.Text(ReadText(group, "health"));
 }

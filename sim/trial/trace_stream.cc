@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <type_traits>
 
 #include "sim/base/error.h"
+#include "sim/trial/trace.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -91,7 +91,7 @@ std::vector<std::string> TraceReceiver::Texts() {
 
 template <class Scalar>
 void TraceReceiver::Matrix(SignalOf<Scalar>& matrix) {
-  using Sent = std::conditional_t<std::is_same_v<Scalar, double>, float, Scalar>;
+  using Sent = Stored<Scalar>;
   const auto row_count = Take<std::uint64_t>();
   const auto column_count = Take<std::uint64_t>();
   CheckCount("columns", column_count, kMostColumns);

@@ -17,9 +17,7 @@
 #include "sim/study/counted_parts.h"
 #include "sim/study/scenario/scenario_files.h"
 #include "sim/trial/external/own_objects.h"
-#include "sim/trial/trace_csv.h"
 #include "sim/trial/trace_file.h"
-#include "sim/trial/trace_mcap.h"
 
 namespace gauntlet::sim {
 namespace {
