@@ -18,6 +18,14 @@ using controller::SettingMap;
 using controller::SettingsVisitor;
 using controller::VisitGroup;
 
+void EventConfig::Visit(SettingsVisitor& visitor) {
+  visitor.Number({"period_ms", "time between two command frames", 1, 1000}, period_ms);
+  visitor.Number(
+      {"delay_ms", "time until a command frame reaches the servos, in whole steps of 1 ms or less",
+       0, 1000},
+      delay_ms);
+}
+
 void VideoConfig::Visit(SettingsVisitor& visitor) {
   visitor.Text(
       {"channel", "joint whose curves are drawn below the hands; empty: index_mcp, or the first"},
