@@ -9,6 +9,8 @@
 #include "controller/settings.h"
 #include "sim/base/channels.h"
 #include "sim/base/error.h"
+#include "sim/base/stop.h"
+#include "sim/glove/motions/postures.h"
 
 namespace gauntlet::sim {
 
@@ -35,9 +37,32 @@ int MotionContext::SampleCount(double duration_s) const {
   return std::max(1, static_cast<int>(std::lround(duration_s * rate_hz)));
 }
 
+std::vector<double> MotionContext::StartAngles(std::size_t posture) const {
+  return start_rad.empty() ? PostureAngles(posture) : start_rad;
+}
+
 Motion StillMotion(int samples) {
   Motion motion;
   motion.angle_rad.setZero(samples, static_cast<Eigen::Index>(KnownChannels().size()));
+  return motion;
+}
+
+Motion MoveChannels(const std::vector<std::string>& names, int samples,
+                    const MotionContext& context,
+                    const std::function<void(std::size_t, int, Motion&)>& move) {
+  Motion motion = StillMotion(samples);
+  const std::vector<bool> selected = SelectChannels(names);
+  const std::vector<double> rest = context.StartAngles();
+  int number = 0;
+  for (std::size_t channel = 0; channel < selected.size(); ++channel) {
+    ThrowIfStopped();
+    if (selected[channel]) {
+      move(channel, number++, motion);
+    } else {
+      HoldChannel(channel, rest[channel], motion);
+    }
+    TrimSignals();
+  }
   return motion;
 }
 

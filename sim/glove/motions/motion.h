@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -37,12 +39,19 @@ struct MotionContext {
 
   /// Errors: SettingError for more than an hour.
   int SampleCount(double duration_s) const;
+  /// The angles that the motion begins with: where the part before ended, or this posture.
+  std::vector<double> StartAngles(std::size_t posture = 0) const;
   /// For a random stream of one channel of this part.
   std::uint64_t StreamIndex(std::size_t channel) const { return part * 1000 + channel; }
 };
 
 /// A motion of this many samples at angle 0.
 Motion StillMotion(int samples);
+/// Calls `move(channel, number among them, motion)` for each channel that is named as
+/// SelectChannels() says. The others hold their start.
+Motion MoveChannels(const std::vector<std::string>& names, int samples,
+                    const MotionContext& context,
+                    const std::function<void(std::size_t, int, Motion&)>& move);
 /// `channel` stands still at this angle.
 void HoldChannel(std::size_t channel, double angle_rad, Motion& motion);
 

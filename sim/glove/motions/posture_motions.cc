@@ -23,10 +23,6 @@ const std::vector<std::string_view>& ChoiceNames() {
   return kNames;
 }
 
-std::vector<double> StartOf(const MotionContext& context) {
-  return context.start_rad.empty() ? PostureAngles(0) : context.start_rad;
-}
-
 /// In a grasp each finger starts this much later than its neighbour to the thumb.
 constexpr double kFingerLag_ms = 15.0;
 
@@ -92,8 +88,8 @@ void HoldConfig::Visit(controller::SettingsVisitor& visitor) {
 
 Motion MakeMotion(const HoldConfig& config, const MotionContext& context) {
   Motion motion = StillMotion(context.SampleCount(config.duration_s));
-  std::vector<double> angles = PostureAngles(config.posture == 0 ? 0 : config.posture - 1);
-  if (config.posture == 0 && !context.start_rad.empty()) angles = context.start_rad;
+  const std::vector<double> angles =
+      config.posture == 0 ? context.StartAngles() : PostureAngles(config.posture - 1);
   for (std::size_t channel = 0; channel < angles.size(); ++channel) {
     HoldChannel(channel, angles[channel], motion);
   }
@@ -111,7 +107,7 @@ Motion MakeMotion(const MovesConfig& config, const MotionContext& context) {
   if (config.postures.empty()) {
     throw controller::SettingError("postures", "is empty, must name at least one posture");
   }
-  MovePlan plan(StartOf(context));
+  MovePlan plan(context.StartAngles());
   double now_s = config.hold_s;
   for (int repeat = 0; repeat < config.repeats; ++repeat) {
     for (const std::string& posture : config.postures) {
@@ -135,7 +131,7 @@ void GraspConfig::Visit(controller::SettingsVisitor& visitor) {
 }
 
 Motion MakeMotion(const GraspConfig& config, const MotionContext& context) {
-  const std::vector<double> rest = StartOf(context);
+  const std::vector<double> rest = context.StartAngles();
   const std::vector<double> open = PostureAngles(PostureIndex("open"));
   const std::vector<double> lags = FingerLags();
   MovePlan plan(rest);
@@ -168,7 +164,7 @@ Motion MakeMotion(const BurstsConfig& config, const MotionContext& context) {
   const std::vector<double> open = PostureAngles(PostureIndex("open"));
   const std::vector<double> closed =
       Between(open, PostureAngles(PostureIndex("power")), 0.01 * config.depth_percent);
-  MovePlan plan(context.start_rad.empty() ? open : context.start_rad);
+  MovePlan plan(context.StartAngles(PostureIndex("open")));
   const double half_s = 0.5 / config.frequency_hz;
   double now_s = config.pause_s;
   for (int burst = 0; burst < config.bursts; ++burst) {
@@ -191,7 +187,7 @@ void StepsConfig::Visit(controller::SettingsVisitor& visitor) {
 
 Motion MakeMotion(const StepsConfig& config, const MotionContext& context) {
   const std::vector<bool> selected = SelectChannels(config.channels);
-  std::vector<double> low = StartOf(context);
+  std::vector<double> low = context.StartAngles();
   std::vector<double> high = low;
   for (std::size_t c = 0; c < low.size(); ++c) {
     if (!selected[c]) continue;

@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include "sim/base/random.h"
-#include "sim/base/stop.h"
-#include "sim/glove/motions/postures.h"
 #include "sim/glove/motions/settings_of_motions.h"
 
 namespace gauntlet::sim {
@@ -59,22 +57,13 @@ void RandomMotionConfig::Visit(controller::SettingsVisitor& visitor) {
 }
 
 Motion MakeMotion(const RandomMotionConfig& config, const MotionContext& context) {
-  Motion motion = StillMotion(context.SampleCount(config.duration_s));
-  const std::vector<bool> selected = SelectChannels(config.channels);
-  const std::vector<double> rest = context.start_rad.empty() ? PostureAngles(0) : context.start_rad;
-  for (std::size_t channel = 0; channel < selected.size(); ++channel) {
-    ThrowIfStopped();
-    if (!selected[channel]) {
-      HoldChannel(channel, rest[channel], motion);
-      continue;
-    }
+  const auto move = [&](std::size_t channel, int, Motion& motion) {
     RandomStream random(context.seed, "motion/random", context.StreamIndex(channel));
     FillSpline(random, ChannelExcursion(channel, config.range_percent),
                config.bandwidth_hz / kKnotSpacingTimesBandwidth, context.rate_hz,
                static_cast<Eigen::Index>(channel), motion);
-    TrimSignals();
-  }
-  return motion;
+  };
+  return MoveChannels(config.channels, context.SampleCount(config.duration_s), context, move);
 }
 
 }  // namespace gauntlet::sim

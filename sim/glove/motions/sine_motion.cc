@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "sim/base/channels.h"
-#include "sim/glove/motions/postures.h"
 #include "sim/glove/motions/settings_of_motions.h"
 
 namespace gauntlet::sim {
@@ -30,25 +29,6 @@ double FrequencyOf(const std::vector<double>& frequency_hz, std::size_t channel)
   return frequency_hz[PlaceInList(channel, frequency_hz.size())];
 }
 
-/// Calls `swing` for each moving channel with the channel and its number among them.
-Motion ForEachChannel(const std::vector<std::string>& names, int samples,
-                      const MotionContext& context,
-                      const std::function<void(std::size_t, int, Motion&)>& swing) {
-  Motion motion = StillMotion(samples);
-  const std::vector<bool> selected = SelectChannels(names);
-  const std::vector<double> rest = context.start_rad.empty() ? PostureAngles(0) : context.start_rad;
-  int number = 0;
-  for (std::size_t channel = 0; channel < selected.size(); ++channel) {
-    if (selected[channel]) {
-      swing(channel, number++, motion);
-    } else {
-      HoldChannel(channel, rest[channel], motion);
-    }
-    TrimSignals();
-  }
-  return motion;
-}
-
 }  // namespace
 
 void SineConfig::Visit(controller::SettingsVisitor& visitor) {
@@ -71,7 +51,7 @@ Motion MakeMotion(const SineConfig& config, const MotionContext& context) {
         ChannelExcursion(channel, config.range_percent), context.rate_hz,
         [&](double t) { return omega * t + offset; }, channel, motion);
   };
-  return ForEachChannel(config.channels, context.SampleCount(config.duration_s), context, swing);
+  return MoveChannels(config.channels, context.SampleCount(config.duration_s), context, swing);
 }
 
 void ChirpConfig::Visit(controller::SettingsVisitor& visitor) {
@@ -99,7 +79,7 @@ Motion MakeMotion(const ChirpConfig& config, const MotionContext& context) {
     Swing(ChannelExcursion(channel, config.range_percent), context.rate_hz, phase_at, channel,
           motion);
   };
-  return ForEachChannel(config.channels, context.SampleCount(config.duration_s), context, swing);
+  return MoveChannels(config.channels, context.SampleCount(config.duration_s), context, swing);
 }
 
 }  // namespace gauntlet::sim
