@@ -398,19 +398,29 @@ ResultText LiveText(const LiveFacts& facts, const LiveContext& context) {
   return text;
 }
 
-ResultText ShadowText(const std::vector<ShadowScore>& scores, const std::string& reference) {
+namespace {
+
+ResultTable ShadowTable(const std::vector<ShadowScore>& scores) {
   ResultTable table{.columns = {ResultColumn("controller", "controller").Words(),
+                                OnlyInJson("drives"),
                                 ResultColumn("jitter_rms_deg", "jitter", "deg RMS"),
                                 ResultColumn("delay_ms", "delay", "ms"),
                                 ResultColumn("tracking_rmse_deg", "tracking error", "deg RMS"),
                                 ResultColumn("step_p99_us", "step p99", "us")}};
   for (const ShadowScore& score : scores) {
-    table.rows.push_back({ResultCell(ResultValue(score.name + (score.drives ? " (drives)" : ""))),
+    table.rows.push_back({{{score.name}, score.name + (score.drives ? " (drives)" : "")},
+                          ResultCell(ResultValue(score.drives)),
                           ResultCell(ResultValue(score.jitter_rms_deg)),
                           ResultCell(ResultValue(score.delay_ms)),
                           ResultCell(ResultValue(score.tracking_rmse_deg)),
                           ResultCell(ResultValue(score.step_p99_us))});
   }
+  return table;
+}
+
+}  // namespace
+
+ResultText ShadowText(const std::vector<ShadowScore>& scores, const std::string& reference) {
   const auto best = std::ranges::min_element(scores, {}, [](const ShadowScore& score) {
     const double error_deg = score.tracking_rmse_deg;
     return std::isnan(error_deg) ? std::numeric_limits<double>::infinity() : error_deg;
@@ -426,7 +436,7 @@ ResultText ShadowText(const std::vector<ShadowScore>& scores, const std::string&
       "has the lowest tracking error, {:.3g} deg RMS, {} and with delay {:.3g} "
       "ms. One session gives no confidence interval: gauntlet compare on the recording does.",
       reference, best->name, best->tracking_rmse_deg, jitter, best->delay_ms));
-  text.emplace_back(std::move(table));
+  text.emplace_back(ShadowTable(scores));
   return text;
 }
 
@@ -499,17 +509,7 @@ Json LiveJson(const LiveFacts& facts, const LiveContext& context,
   json["untrusted_samples"] = facts.untrusted_samples;
   json["assumed"] = {{"event_delay_ms", context.event_delay_ms},
                      {"hand", context.has_motors ? "simulated beside the motors" : "simulated"}};
-  if (!shadows.empty()) {
-    auto& list = json["controllers"] = Json::array();
-    for (const ShadowScore& score : shadows) {
-      list.push_back({{"controller", score.name},
-                      {"drives", score.drives},
-                      {"jitter_rms_deg", score.jitter_rms_deg},
-                      {"delay_ms", score.delay_ms},
-                      {"tracking_rmse_deg", score.tracking_rmse_deg},
-                      {"step_p99_us", score.step_p99_us}});
-    }
-  }
+  if (!shadows.empty()) json["controllers"] = JsonOf(ShadowTable(shadows));
   return json;
 }
 
