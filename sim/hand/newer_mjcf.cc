@@ -36,28 +36,17 @@ constexpr std::string_view kNumbers = "0 1";
 constexpr std::string_view kSlack =
     "it is a spring with a slack range: give the tendon a limited range in its place";
 
-constexpr NewerMjcfRow kRows[] = {
-    {"", "frame", "", "", kRefuse, kMoves},
-    {"", "replicate", "", "", kRefuse, kMoves},
-    {"", "attach", "", "", kRefuse, kMoves},
+/// With every element and every attribute that a row is for, blanks between them.
+constexpr NewerMjcfRow kGroups[] = {
+    {"", "frame replicate attach", "", "", kRefuse, kMoves},
     {"asset", "model", "", "", kRefuse, kMoves},
-    {"", "flexcomp", "", "", kRefuse, kCouples},
-    {"", "deformable", "", "", kRefuse, kCouples},
-    {"", "plugin", "", "", kRefuse, kCouples},
-    {"", "extension", "", "", kRefuse, kCouples},
-    {"equality", "connect", "site1", "", kRefuse, kCouples},
-    {"equality", "connect", "site2", "", kRefuse, kCouples},
-    {"equality", "weld", "site1", "", kRefuse, kCouples},
-    {"equality", "weld", "site2", "", kRefuse, kCouples},
-    {"equality", "flex", "", "", kRefuse, kCouples},
-    {"equality", "flexvert", "", "", kRefuse, kCouples},
-    {"equality", "flexstrain", "", "", kRefuse, kCouples},
+    {"", "flexcomp deformable plugin extension", "", "", kRefuse, kCouples},
+    {"equality", "connect weld", "site1 site2", "", kRefuse, kCouples},
+    {"equality", "flex flexvert flexstrain", "", "", kRefuse, kCouples},
     {"", "dcmotor", "", "", kRefuse, kMotor},
-    {"", "spatial", "armature", "", kRefuse, kInertia},
-    {"", "fixed", "armature", "", kRefuse, kInertia},
+    {"", "spatial fixed", "armature", "", kRefuse, kInertia},
     {"default", "tendon", "armature", "", kRefuse, kInertia},
-    {"", "spatial", "springlength", kNumbers, kRefuse, kSlack},
-    {"", "fixed", "springlength", kNumbers, kRefuse, kSlack},
+    {"", "spatial fixed", "springlength", kNumbers, kRefuse, kSlack},
     {"default", "tendon", "springlength", kNumbers, kRefuse, kSlack},
     {"", "mesh", "inertia", "legacy", kDrop, "2.2.2 computes nearly the same"},
     {"", "mesh", "inertia", "exact", kRefuse, "set exactmeshinertia of <compiler>"},
@@ -65,110 +54,82 @@ constexpr NewerMjcfRow kRows[] = {
 
     {"", "compiler", "alignfree", "", kDrop, "it changes the frame of a free body only"},
     {"", "compiler", "saveinertial", "", kDrop, "a setting of saved files"},
-    {"", "option", "ls_iterations", "", kDrop, kSolver},
-    {"", "option", "ls_tolerance", "", kDrop, kSolver},
-    {"", "option", "sdf_iterations", "", kDrop, kSolver},
-    {"", "option", "sdf_initpoints", "", kDrop, kSolver},
-    {"", "option", "ccd_iterations", "", kDrop, kSolver},
-    {"", "option", "ccd_tolerance", "", kDrop, kSolver},
-    {"", "option", "sleep_tolerance", "", kDrop, kSolver},
-    {"", "option", "o_friction", "", kDrop, kSolver},
+    {"", "option",
+     "ls_iterations ls_tolerance sdf_iterations sdf_initpoints ccd_iterations ccd_tolerance "
+     "sleep_tolerance o_friction",
+     "", kDrop, kSolver},
     {"", "option", "actuatorgroupdisable", "", kDrop, kServo},
     {"", "option", "integrator", "implicitfast", kReplace, "implicit"},
-    {"option", "flag", "eulerdamp", "", kDrop, kSolver},
-    {"option", "flag", "midphase", "", kDrop, kSolver},
-    {"option", "flag", "nativeccd", "", kDrop, kSolver},
-    {"option", "flag", "island", "", kDrop, kSolver},
-    {"option", "flag", "autoreset", "", kDrop, kSolver},
-    {"option", "flag", "invdiscrete", "", kDrop, kSolver},
-    {"option", "flag", "sleep", "", kDrop, kSolver},
+    {"option", "flag", "eulerdamp midphase nativeccd island autoreset invdiscrete sleep", "", kDrop,
+     kSolver},
     {"option", "flag", "spring", "", kRefuse, "it changes forces of springs"},
     {"option", "flag", "damper", "", kRefuse, "it changes forces of dampers"},
     {"", "size", "memory", "", kDrop, kSolver},
 
-    {"visual", "global", "orthographic", "", kDrop, kLook},
-    {"visual", "global", "realtime", "", kDrop, kLook},
-    {"visual", "global", "ellipsoidinertia", "", kDrop, kLook},
-    {"visual", "global", "bvactive", "", kDrop, kLook},
-    {"visual", "global", "cameraid", "", kDrop, kLook},
-    {"visual", "global", "treedepth", "", kDrop, kLook},
-    {"visual", "scale", "frustum", "", kDrop, kLook},
-    {"visual", "rgba", "frustum", "", kDrop, kLook},
-    {"visual", "rgba", "bv", "", kDrop, kLook},
-    {"visual", "rgba", "bvactive", "", kDrop, kLook},
+    {"visual", "global", "orthographic realtime ellipsoidinertia bvactive cameraid treedepth", "",
+     kDrop, kLook},
+    {"visual", "scale rgba", "frustum", "", kDrop, kLook},
+    {"visual", "rgba", "bv bvactive", "", kDrop, kLook},
     {"", "mesh", "content_type", "", kDrop, kFile},
-    {"", "mesh", "maxhullvert", "", kDrop, kForce},
-    {"", "mesh", "octree_maxdepth", "", kDrop, kForce},
+    {"", "mesh", "maxhullvert octree_maxdepth", "", kDrop, kForce},
     {"", "mesh", "material", "", kDrop, kLook},
     {"", "texture", "content_type", "", kDrop, kFile},
-    {"", "texture", "colorspace", "", kDrop, kLook},
-    {"", "texture", "nchannel", "", kDrop, kLook},
+    {"", "texture", "colorspace nchannel", "", kDrop, kLook},
     {"", "hfield", "content_type", "", kDrop, kFile},
-    {"", "material", "metallic", "", kDrop, kLook},
-    {"", "material", "roughness", "", kDrop, kLook},
+    {"", "material", "metallic roughness", "", kDrop, kLook},
     {"material", "layer", "", "", kDrop, kLook},
-    {"", "light", "bulbradius", "", kDrop, kLook},
-    {"", "light", "intensity", "", kDrop, kLook},
-    {"", "light", "range", "", kDrop, kLook},
-    {"", "light", "texture", "", kDrop, kLook},
-    {"", "light", "type", "", kDrop, kLook},
-    {"", "camera", "orthographic", "", kDrop, kLook},
-    {"", "camera", "projection", "", kDrop, kLook},
-    {"", "camera", "resolution", "", kDrop, kLook},
-    {"", "camera", "output", "", kDrop, kLook},
-    {"", "camera", "focal", "", kDrop, kLook},
-    {"", "camera", "focalpixel", "", kDrop, kLook},
-    {"", "camera", "principal", "", kDrop, kLook},
-    {"", "camera", "principalpixel", "", kDrop, kLook},
-    {"", "camera", "sensorsize", "", kDrop, kLook},
+    {"", "light", "bulbradius intensity range texture type", "", kDrop, kLook},
+    {"", "camera",
+     "orthographic projection resolution output focal focalpixel principal principalpixel "
+     "sensorsize",
+     "", kDrop, kLook},
 
     {"", "body", "gravcomp", "", kDrop, kForce},
     {"", "body", "sleep", "", kDrop, kSolver},
-    {"", "joint", "actuatorfrcrange", "", kDrop, kTorque},
-    {"", "joint", "actuatorfrclimited", "", kDrop, kTorque},
+    {"", "joint", "actuatorfrcrange actuatorfrclimited", "", kDrop, kTorque},
     {"", "joint", "actuatorgravcomp", "", kDrop, kForce},
     {"", "freejoint", "align", "", kDrop, "it changes the frame of a free body only"},
     {"contact", "pair", "solreffriction", "", kDrop, kForce},
     {"default", "pair", "solreffriction", "", kDrop, kForce},
-    {"", "spatial", "actuatorfrcrange", "", kDrop, kTorque},
-    {"", "spatial", "actuatorfrclimited", "", kDrop, kTorque},
-    {"", "fixed", "actuatorfrcrange", "", kDrop, kTorque},
-    {"", "fixed", "actuatorfrclimited", "", kDrop, kTorque},
-    {"default", "tendon", "actuatorfrcrange", "", kDrop, kTorque},
-    {"default", "tendon", "actuatorfrclimited", "", kDrop, kTorque},
+    {"", "spatial fixed", "actuatorfrcrange actuatorfrclimited", "", kDrop, kTorque},
+    {"default", "tendon", "actuatorfrcrange actuatorfrclimited", "", kDrop, kTorque},
 
-    {"", "position", "kv", "", kDrop, kServo},
-    {"", "position", "dampratio", "", kDrop, kServo},
-    {"", "position", "timeconst", "", kDrop, kServo},
-    {"", "position", "inheritrange", "", kDrop, kServo},
-    {"", "intvelocity", "kv", "", kDrop, kServo},
-    {"", "intvelocity", "dampratio", "", kDrop, kServo},
-    {"", "intvelocity", "inheritrange", "", kDrop, kServo},
-    {"", "general", "actdim", "", kDrop, kServo},
-    {"", "general", "actearly", "", kDrop, kServo},
+    {"", "position", "kv dampratio timeconst inheritrange", "", kDrop, kServo},
+    {"", "intvelocity", "kv dampratio inheritrange", "", kDrop, kServo},
+    {"", "general", "actdim actearly", "", kDrop, kServo},
     {"", "general", "dyntype", "filterexact", kDrop, kServo},
-    {"", "general", "nsample", "", kDrop, kServo},
-    {"", "general", "interp", "", kDrop, kServo},
-    {"", "general", "delay", "", kDrop, kServo},
-    {"", "position", "nsample", "", kDrop, kServo},
-    {"", "position", "interp", "", kDrop, kServo},
-    {"", "position", "delay", "", kDrop, kServo},
-    {"", "motor", "nsample", "", kDrop, kServo},
-    {"", "motor", "interp", "", kDrop, kServo},
-    {"", "motor", "delay", "", kDrop, kServo},
+    {"", "general position motor", "nsample interp delay", "", kDrop, kServo},
 
-    {"sensor", "camprojection", "", "", kDrop, kSensor},
-    {"sensor", "jointactuatorfrc", "", "", kDrop, kSensor},
-    {"sensor", "tendonactuatorfrc", "", "", kDrop, kSensor},
-    {"sensor", "insidesite", "", "", kDrop, kSensor},
-    {"sensor", "distance", "", "", kDrop, kSensor},
-    {"sensor", "normal", "", "", kDrop, kSensor},
-    {"sensor", "fromto", "", "", kDrop, kSensor},
-    {"sensor", "contact", "", "", kDrop, kSensor},
-    {"sensor", "tactile", "", "", kDrop, kSensor},
-    {"sensor", "e_potential", "", "", kDrop, kSensor},
-    {"sensor", "e_kinetic", "", "", kDrop, kSensor},
+    {"sensor",
+     "camprojection jointactuatorfrc tendonactuatorfrc insidesite distance normal fromto contact "
+     "tactile e_potential e_kinetic",
+     "", "", kDrop, kSensor},
 };
+
+std::vector<std::string_view> Names(std::string_view text) {
+  std::vector<std::string_view> names;
+  for (std::size_t end; (end = text.find(' ')) != std::string_view::npos;) {
+    names.push_back(text.substr(0, end));
+    text.remove_prefix(end + 1);
+  }
+  names.push_back(text);
+  return names;
+}
+
+std::vector<NewerMjcfRow> EachRow() {
+  std::vector<NewerMjcfRow> rows;
+  for (NewerMjcfRow row : kGroups) {
+    const std::vector<std::string_view> attributes = Names(row.attribute);
+    for (const std::string_view element : Names(row.element)) {
+      row.element = element;
+      for (const std::string_view attribute : attributes) {
+        row.attribute = attribute;
+        rows.push_back(row);
+      }
+    }
+  }
+  return rows;
+}
 
 bool HasSeveralWords(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r\n";
@@ -201,13 +162,13 @@ class Dropper {
  private:
   static const NewerMjcfRow* RowOf(const MjcfElement& parent, const MjcfElement& element,
                                    std::string_view attribute, std::string_view value) {
-    const auto found = std::ranges::find_if(kRows, [&](const NewerMjcfRow& row) {
+    const auto found = std::ranges::find_if(NewerMjcfRows(), [&](const NewerMjcfRow& row) {
       return (row.parent.empty() || row.parent == parent.name) && row.element == element.name &&
              row.attribute == attribute &&
              (row.value.empty() || row.value == value ||
               (row.value == kNumbers && HasSeveralWords(value)));
     });
-    return found == std::end(kRows) ? nullptr : found;
+    return found == NewerMjcfRows().end() ? nullptr : &*found;
   }
 
   /// True; a note the first time. Errors: UserError for what is refused.
@@ -250,7 +211,10 @@ void WriteOutAssetFolder(MjcfElement& compiler) {
 
 }  // namespace
 
-std::span<const NewerMjcfRow> NewerMjcfRows() { return kRows; }
+std::span<const NewerMjcfRow> NewerMjcfRows() {
+  static const std::vector<NewerMjcfRow> rows = EachRow();
+  return rows;
+}
 
 void DropNewerMjcf(MjcfElement& root, std::vector<std::string>& notes) {
   Dropper(notes).DropBelow(root);
