@@ -388,16 +388,12 @@ void Hand::ReadJointAngles(std::span<double> joint_angle_rad) const noexcept {
 
 void Hand::ReadSpoolAngles(std::span<double> spool_angle_rad) const noexcept {
   GAUNTLET_ASSERT(spool_angle_rad.size() == state_->spools.size());
-  for (std::size_t i = 0; i < state_->spools.size(); ++i) {
-    spool_angle_rad[i] = state_->spools[i].angle_rad;
-  }
+  std::ranges::transform(state_->spools, spool_angle_rad.begin(), &SpoolState::angle_rad);
 }
 
 void Hand::ReadSpoolSpeeds(std::span<double> spool_speed_rad_s) const noexcept {
   GAUNTLET_ASSERT(spool_speed_rad_s.size() == state_->spools.size());
-  for (std::size_t i = 0; i < state_->spools.size(); ++i) {
-    spool_speed_rad_s[i] = state_->spools[i].speed_rad_s;
-  }
+  std::ranges::transform(state_->spools, spool_speed_rad_s.begin(), &SpoolState::speed_rad_s);
 }
 
 void Hand::ReadServoTorques(std::span<double> torque_nm) const noexcept {
@@ -407,9 +403,7 @@ void Hand::ReadServoTorques(std::span<double> torque_nm) const noexcept {
 
 void Hand::ReadCableTensions(std::span<double> tension_n) const noexcept {
   GAUNTLET_ASSERT(tension_n.size() == state_->cables.size());
-  for (std::size_t i = 0; i < state_->cables.size(); ++i) {
-    tension_n[i] = state_->cables[i].tension_n;
-  }
+  std::ranges::transform(state_->cables, tension_n.begin(), &CableState::tension_n);
 }
 
 double Hand::DigitOverlap() const noexcept { return state_->digit_overlap_m; }

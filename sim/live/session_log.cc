@@ -1,11 +1,9 @@
 #include "sim/live/session_log.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <stop_token>
 #include <string_view>
-#include <utility>
 
 #include "sim/base/signal_storage.h"
 #include "sim/live/session_threads.h"

@@ -7,7 +7,7 @@
 
 #include "controller/controller_config.h"
 #include "sim/base/signal.h"
-#include "sim/hand/hand.h"
+#include "sim/hand/hand_model.h"
 #include "sim/score/score.h"
 
 namespace gauntlet::sim {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "sim/score/fourier.h"
 #include "sim/score/wearer.h"

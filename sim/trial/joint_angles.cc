@@ -1,8 +1,6 @@
 #include "sim/trial/joint_angles.h"
 
-#include <algorithm>
 #include <cstdint>
-#include <utility>
 
 #include "controller/assert.h"
 #include "controller/tendon_map.h"

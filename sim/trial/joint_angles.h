@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "controller/controller_config.h"
 #include "sim/base/signal.h"

@@ -351,8 +351,7 @@ TEST(Scores, PartsOfTheErrorSumToTheSquareOfTheTrackingError) {
     EXPECT_NEAR(sum / (tracking * tracking), 1.0, 1e-9);
     squares += tracking * tracking;
   }
-  for (const CauseMetric& part : TrackingErrorParts())
-    summaries += scores.summary[part.metric];
+  for (const CauseMetric& part : TrackingErrorParts()) summaries += scores.summary[part.metric];
   EXPECT_NEAR(summaries / (squares / 2.0), 1.0, 1e-9);
 }
 

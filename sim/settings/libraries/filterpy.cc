@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <array>
 #include <string>
 
 #include "controller/filters/process_noise.h"
