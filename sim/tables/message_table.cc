@@ -117,7 +117,6 @@ struct TopicFacts {
   std::vector<std::string> columns;
   std::vector<std::string> remarks;  // on units
   bool has_stamps = true;
-  bool is_sorted = true;  // by the time to be used
 };
 
 /// Calls `visit(time of the header or of the recorder, row)` for each message.
@@ -167,20 +166,13 @@ void NameUnits(MessageFile& file, const MessageRows& rows, const std::vector<dou
 TopicFacts FactsOf(MessageFile& file, std::size_t topic, MessageRows& rows) {
   TopicFacts facts;
   std::vector<double> largest;  // magnitude per column
-  bool is_sorted_by_stamp = true;
-  std::optional<std::int64_t> log_before, stamp_before;
-  ForEachRow(file, topic, rows, [&](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {
+  ForEachRow(file, topic, rows, [&](std::int64_t, std::optional<std::int64_t> stamp_ns) {
     largest.resize(rows.row().size());
     for (const std::size_t column : rows.positions()) {
       largest[column] = std::fmax(largest[column], std::abs(rows.row()[column]));
     }
     facts.has_stamps = facts.has_stamps && stamp_ns.has_value();
-    if (log_before && log_ns < *log_before) facts.is_sorted = false;
-    if (stamp_before && stamp_ns && *stamp_ns < *stamp_before) is_sorted_by_stamp = false;
-    log_before = log_ns;
-    stamp_before = stamp_ns;
   });
-  if (facts.has_stamps) facts.is_sorted = is_sorted_by_stamp;
   if (!facts.has_stamps && !file.has_log_times()) {
     throw UserError(
         "has messages without a time in a header; rostopic echo -p and ros2 bag record keep times");
@@ -193,59 +185,16 @@ TopicFacts FactsOf(MessageFile& file, std::size_t topic, MessageRows& rows) {
   return facts;
 }
 
-/// Puts rows in the order of their times. Few rows are held at once, unless many stand far from
-/// their place.
-class RowsInOrder {
- public:
-  RowsInOrder() = default;
-  explicit RowsInOrder(const std::vector<std::int64_t>& times_ns) : place_(times_ns.size()) {
-    std::vector<std::size_t> order(times_ns.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return times_ns[i]; });
-    for (std::size_t i = 0; i < order.size(); ++i) place_[order[i]] = i;
-    std::size_t far = 0;
-    for (std::size_t i = 0; i < place_.size(); ++i) far += IsFar(i) ? 1 : 0;
-    has_far_ = far > 0 && far <= kFew;
-  }
-
-  /// True if AddFar() is to be called for all rows before Add(): else a row that is far from its
-  /// place would hold up all that stand between.
-  bool has_far() const { return has_far_; }
-  void AddFar(std::int64_t time_ns, const std::vector<double>& row) {
-    const std::size_t at = Next();
-    if (IsFar(at)) held_[place_[at]] = {time_ns, row};
-    if (read_ == place_.size()) read_ = 0;
-  }
-
-  /// Calls `write(time, row)` for all rows whose turn it is.
-  template <class Write>
-  void Add(std::int64_t time_ns, const std::vector<double>& row, const Write& write) {
-    const std::size_t at = Next();
-    if (!has_far_ || !IsFar(at)) held_[place_[at]] = {time_ns, row};
-    while (!held_.empty() && held_.begin()->first == written_) {
-      const auto first = held_.extract(held_.begin());
-      write(first.mapped().first, first.mapped().second);
-      ++written_;
-    }
-  }
-
- private:
-  static constexpr std::size_t kFew = 4096;
-
-  std::size_t Next() {
-    if (read_ == place_.size()) throw UserError("changes while it is read");
-    return read_++;
-  }
-  bool IsFar(std::size_t at) const {
-    return std::max(at, place_[at]) - std::min(at, place_[at]) > kFew;
-  }
-
-  std::vector<std::size_t> place_;  // of each row of the file, in the order of times
-  bool has_far_ = false;
-  std::size_t read_ = 0;
-  std::size_t written_ = 0;
-  std::map<std::size_t, std::pair<std::int64_t, std::vector<double>>> held_;  // by their places
-};
+/// Places of the rows in the order of their times; empty if they are in it.
+std::vector<double> OrderOf(const std::vector<std::int64_t>& times_ns) {
+  std::vector<double> order;
+  if (std::ranges::is_sorted(times_ns)) return order;
+  order.resize(times_ns.size());
+  std::iota(order.begin(), order.end(), 0.0);
+  std::ranges::stable_sort(
+      order, {}, [&](double place) { return times_ns[static_cast<std::size_t>(place)]; });
+  return order;
+}
 
 double SecondsOf(std::int64_t ns) {
   return static_cast<double>(static_cast<long double>(ns) / kNsPerS);
@@ -287,37 +236,15 @@ void WriteTopicTable(MessageFile& file, std::string_view chosen, PipeWriter& pip
   names.insert(names.begin(), "time_s");
   TableWriter table(pipe, names, facts.remarks, file.topics()[topic].messages);
   std::vector<double> row;
-  const auto write = [&](std::int64_t ns, const std::vector<double>& values_of_row) {
-    row.assign(1, SecondsOf(ns));
-    row.insert(row.end(), values_of_row.begin(), values_of_row.end());
-    table.Rows(row);
-  };
-  const auto time_of = [&facts](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {
-    return facts.has_stamps ? stamp_ns.value_or(0) : log_ns;
-  };
-  RowsInOrder in_order;
-  if (!facts.is_sorted) {
-    std::vector<std::int64_t> times_ns;
-    ForEachRow(file, topic, rows, [&](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {
-      times_ns.push_back(time_of(log_ns, stamp_ns));
-    });
-    in_order = RowsInOrder(times_ns);
-    if (in_order.has_far()) {
-      ForEachRow(file, topic, rows, [&](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {
-        in_order.AddFar(time_of(log_ns, stamp_ns), rows.row());
-      });
-    }
-  }
+  std::vector<std::int64_t> times_ns;
   ForEachRow(file, topic, rows, [&](std::int64_t log_ns, std::optional<std::int64_t> stamp_ns) {
     if (rows.columns().size() != facts.columns.size()) throw UserError("changes while it is read");
-    const std::int64_t ns = time_of(log_ns, stamp_ns);
-    if (facts.is_sorted) {
-      write(ns, rows.row());
-    } else {
-      in_order.Add(ns, rows.row(), write);
-    }
+    times_ns.push_back(facts.has_stamps ? stamp_ns.value_or(0) : log_ns);
+    row.assign(1, SecondsOf(times_ns.back()));
+    row.insert(row.end(), rows.row().begin(), rows.row().end());
+    table.Rows(row);
   });
-  table.Finish(file.is_cut());
+  table.Finish(file.is_cut(), OrderOf(times_ns));
 }
 
 }  // namespace gauntlet::sim

@@ -34,8 +34,8 @@ std::vector<ListedTopic> ListTopics(MessageFile& file, std::string_view chosen);
 std::string QuestionOf(const std::vector<ListedTopic>& topics);
 
 /// The table of the topic that ListTopics() takes: `time_s`, then the columns of MessageRows. The
-/// time is the one in the headers if every message has one, else the recorder's. Rows are sorted
-/// by it. The table of a file that is cut is cut, too.
+/// time is the one in the headers if every message has one, else the recorder's. The reader of the
+/// pipe sorts the rows by it, so none is held here. The table of a file that is cut is cut, too.
 /// Errors: as ListTopics(); UserError without a place if it takes none.
 void WriteTopicTable(MessageFile& file, std::string_view chosen, PipeWriter& pipe);
 

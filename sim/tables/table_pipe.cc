@@ -19,6 +19,8 @@ std::size_t RowsOfBlock(std::size_t columns) {
   return std::max<std::size_t>(kBlockValues / std::max<std::size_t>(columns, 1), 1);
 }
 
+[[noreturn]] void Fail() { throw UserError("has a table that cannot be read"); }
+
 }  // namespace
 
 void PipeWriter::Count(std::uint64_t count) {
@@ -43,7 +45,7 @@ void PipeWriter::Texts(const std::vector<std::string>& texts) {
 std::uint64_t PipeReader::Count(std::uint64_t most) {
   std::uint64_t count = 0;
   fill_({reinterpret_cast<char*>(&count), sizeof count});
-  if (count > most) throw UserError("has a table that cannot be read");
+  if (count > most) Fail();
   return count;
 }
 
@@ -95,10 +97,12 @@ void TableWriter::Flush() {
   block_.clear();
 }
 
-void TableWriter::Finish(bool is_cut) {
+void TableWriter::Finish(bool is_cut, std::span<const double> order) {
   Flush();
   pipe_.Count(0);
   pipe_.Count(is_cut ? 1 : 0);
+  pipe_.Count(order.size());
+  pipe_.Numbers(order);
 }
 
 Table ReadTable(PipeReader& pipe) {
@@ -125,6 +129,17 @@ Table ReadTable(PipeReader& pipe) {
     table.rows += rows;
   }
   table.is_cut = pipe.Count(1) > 0;
+  std::vector<double> order(pipe.Count(table.rows));
+  pipe.Numbers(order);
+  if (order.empty()) return table;
+  const auto is_row = [&](double place) { return place >= 0.0 && place < table.rows; };
+  if (order.size() != table.rows || !std::ranges::all_of(order, is_row)) Fail();
+  for (TableColumn& column : table.columns) {
+    std::vector<double> numbers;
+    numbers.reserve(order.size());
+    for (const double place : order) numbers.push_back(column.numbers[place]);
+    column.numbers = std::move(numbers);
+  }
   return table;
 }
 

@@ -48,7 +48,8 @@ class TableWriter {
               const std::vector<std::string>& remarks, std::size_t rows);
   /// Whole rows, one behind the other. Shapes: a multiple of the names.
   void Rows(std::span<const double> values);
-  void Finish(bool is_cut = false);
+  /// `order`: the places of the rows in the order that the reader gives them; empty: as written.
+  void Finish(bool is_cut = false, std::span<const double> order = {});
 
  private:
   void Flush();
