@@ -1,3 +1,5 @@
+#include "sim/fit/audit.h"
+
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -8,7 +10,6 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/fit/audit_tables.h"
 #include "sim/show/pages/audit_page.h"
 
 namespace gauntlet::sim {

@@ -23,7 +23,6 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/fit/calibration.h"
-#include "sim/fit/calibration_tables.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_writer.h"
 

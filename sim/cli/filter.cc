@@ -27,10 +27,10 @@
 #include "sim/recordings/time_guess.h"
 #include "sim/settings/libraries/like_filter.h"
 #include "sim/settings/yaml_reader.h"
+#include "sim/tables/csv_reader.h"
 #include "sim/tables/file_format.h"
 #include "sim/tables/source_bytes.h"
 #include "sim/tables/text_forms.h"
-#include "sim/tables/utf16.h"
 #include "sim/trial/held_filter.h"
 
 namespace gauntlet::sim {

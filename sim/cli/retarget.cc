@@ -10,7 +10,6 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/fit/retarget/fingertip_motion.h"
 #include "sim/fit/retarget/retargeting.h"
-#include "sim/fit/retarget/retargeting_result.h"
 #include "sim/tables/name_words.h"
 
 namespace gauntlet::sim {

@@ -21,7 +21,6 @@
 #include "sim/recordings/time_guess.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/time_columns.h"
-#include "sim/tables/time_text.h"
 
 namespace gauntlet::sim {
 namespace {

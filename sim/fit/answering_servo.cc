@@ -9,7 +9,6 @@
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/error.h"
-#include "sim/fit/simulated_answer.h"
 #include "sim/hand/hand_model.h"
 
 namespace gauntlet::sim {

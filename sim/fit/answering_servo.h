@@ -1,11 +1,13 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "sim/fit/chain_fit.h"
 #include "sim/fit/chain_log.h"
 #include "sim/hand/hand_config.h"
+#include "sim/hand/hand_model.h"
 
 namespace gauntlet::sim {
 
@@ -49,5 +51,63 @@ struct ServoTrial {
 std::optional<ServoTrial> TryServos(const ChainLog& log, const std::vector<ChainFit>& fits,
                                     const AnsweringServo& first, const HandConfig& usual,
                                     const ChainProgress& progress = {});
+
+/// Finds the servo with which the angles of the simulated hand are nearest to those of logs, by
+///
+///     miss^2 = mean over logs and parts of mean square of (measured less simulated)
+///              / mean square of the motion
+///
+/// behind the first 0.5 s, with the median delay of the logs. Dead time only shifts the answer of a
+/// servo of kind ideal, so it follows from the delay of an answer without it; a delay out of its
+/// reach adds to the miss. `start` is returned if it misses less than 5 % of the motion, with that
+/// delay within 10 ms. Else the ranges of damping, gain and friction are searched on the first 6 s
+/// of the first log, by 80 answers, then around the best by 40 answers of all logs (optimise.h).
+///
+/// Friction is one factor on the scales of all motors of `start`. All logs have the same parts.
+/// None if no part of the log is a joint of the model, no such hand can be simulated, or the best
+/// one misses as much as a hand at rest.
+std::optional<AnsweringServo> SearchServo(const std::vector<ChainLog>& logs,
+                                          const AnsweringServo& start, const HandConfig& usual);
+
+/// The servo of kind ideal that explains a log, from the equations of the model without a trial.
+/// None if no part of the log has a model.
+///
+/// Such a servo is a chain of ServoInput, Servo and Spool: dead time, dry friction f against the
+/// servo's gain K, and
+///
+///     J z'' = K (q - z) - K damping z'
+///
+/// So dead_time_ms and damping_ms are the fitted dead time and lag, full_torque_error_deg is
+/// inertia_s2 stall / J, and f is K times half the width of the loop at the spool. J is the inertia
+/// of the model's spools times the inertia_scale of the usual servo, so that torques are usual; the
+/// fingers' inertia is neglected. no_load_speed_deg_s is the speed limit, if most parts have one.
+/// All values are medians over the half of the parts with the best-known lag, because the hand has
+/// one servo for all motors. Motors of arm_servo are left out. A first-order lag becomes a
+/// second-order lag with a damping ratio of 1.5.
+std::optional<AnsweringServo> UntriedServo(const ChainLog& log, const std::vector<ChainFit>& fits,
+                                           const HandModel& hand);
+
+/// The part of a scenario (`hand:` and `event:`) with which the simulated hand answers commands
+/// like the hand of a log, with comments. TryServos() refines it if parts of the log are joints of
+/// the simulated hand, and reports its `progress`. Empty if no part of the log has a model.
+std::string ServoSettingsText(const ChainLog& log, const HandModel& hand,
+                              const ChainProgress& progress = {});
+
+/// Longest part of a log that is simulated, and highest rate of the answer's rows.
+inline constexpr double kLongestAnswer_s = 30.0;
+inline constexpr double kMostAnswerRows_hz = 250.0;
+/// Beginning of an answer that is not compared with the log, because the hand's state is unknown.
+inline constexpr double kNotCompared_s = 0.5;
+
+/// Answer of the simulated hand to the commands of a log. Commands are sent in frames as in a
+/// scenario, without delay of the link. Between the log's rows a command is interpolated linearly
+/// or held.
+///
+/// The motors' angles are the joint angles for their spools, with cables that neither stretch nor
+/// go slack. The answer contains the parts that are joints of the model with a motor of
+/// `hand.servo`. The model's other joints stay in the middle of their ranges. The row distance is
+/// about that of the log. No rows: no part is such a joint, or the hand was stopped.
+/// Errors: UserError for a hand that cannot be built.
+ChainLog SimulatedAnswer(const ChainLog& log, const HandConfig& hand);
 
 }  // namespace gauntlet::sim

@@ -1,5 +1,3 @@
-#include "sim/fit/audit_tables.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -11,6 +9,7 @@
 #include <utility>
 
 #include "sim/base/json.h"
+#include "sim/fit/audit.h"
 #include "sim/fit/fit_tables.h"
 
 namespace gauntlet::sim {

@@ -1,11 +1,10 @@
-#include "sim/fit/calibration_tables.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "sim/base/json.h"
+#include "sim/fit/calibration.h"
 #include "sim/fit/fit_tables.h"
 
 namespace gauntlet::sim {

@@ -10,7 +10,7 @@
 #include "sim/base/nearest_name.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
-#include "sim/recordings/log_map.h"
+#include "sim/recordings/column_map.h"
 #include "sim/recordings/time_guess.h"
 #include "sim/tables/name_words.h"
 #include "sim/tables/time_columns.h"

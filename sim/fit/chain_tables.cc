@@ -1,5 +1,3 @@
-#include "sim/fit/chain_tables.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "sim/base/json.h"
 #include "sim/fit/audit.h"
+#include "sim/fit/chain_episodes.h"
 #include "sim/fit/fit_tables.h"
 
 namespace gauntlet::sim {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "sim/fit/chain_columns.h"
-#include "sim/fit/topic_pair.h"
 #include "sim/recordings/time_guess.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/table.h"

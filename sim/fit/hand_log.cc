@@ -1,9 +1,8 @@
-#include "sim/fit/hand_log.h"
-
 #include <vector>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/fit/chain_log.h"
 #include "sim/tables/file_format.h"
 #include "sim/trial/trace_reader.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/fit/answering_servo.h"
 #include "sim/fit/chain_log.h"
-#include "sim/fit/identified_servo.h"
 #include "sim/settings/yaml_writer.h"
 
 namespace gauntlet::sim {

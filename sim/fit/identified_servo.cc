@@ -1,5 +1,3 @@
-#include "sim/fit/identified_servo.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,6 +7,7 @@
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/signal.h"
+#include "sim/fit/answering_servo.h"
 #include "sim/fit/chain_log.h"
 #include "sim/fit/fit_tables.h"
 

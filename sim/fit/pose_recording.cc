@@ -17,7 +17,6 @@
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
 #include "sim/fit/pose_columns.h"
-#include "sim/fit/resolution.h"
 #include "sim/recordings/table_source.h"
 #include "sim/recordings/time_guess.h"
 #include "sim/tables/csv_reader.h"

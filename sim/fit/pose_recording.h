@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -73,5 +74,16 @@ void KeepSettledPoses(Eigen::Index settle_samples, Eigen::Ref<Eigen::VectorXd> a
 /// than 5 % of them are an error.
 PoseRecording LoadPoseRecording(const std::filesystem::path& file,
                                 const PoseRecordingFormat& format);
+
+/// Quantisation step of the values: 1 for counts, the volts of one count for volts, 0 without
+/// quantisation.
+///
+/// The step of a channel is the smallest distance between two different values. Conditions: eight
+/// different values or more; half of the neighbouring values are one step apart; distances up to
+/// five steps are multiples of it, with a tolerance of a quarter step, because the text of volts is
+/// rounded again. The result is the smallest step of the channels that meet them. If none does, it
+/// is 1 for whole numbers.
+/// Shapes: samples x channels, finite.
+double ResolutionOf(const Signal& values);
 
 }  // namespace gauntlet::sim

@@ -1,10 +1,10 @@
-#include "sim/fit/resolution.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <vector>
+
+#include "sim/fit/pose_recording.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,5 +1,3 @@
-#include "sim/fit/servo_search.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,8 +7,8 @@
 #include "sim/base/error.h"
 #include "sim/base/optimise.h"
 #include "sim/base/signal.h"
+#include "sim/fit/answering_servo.h"
 #include "sim/fit/chain_fit.h"
-#include "sim/fit/simulated_answer.h"
 
 namespace gauntlet::sim {
 namespace {

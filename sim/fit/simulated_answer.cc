@@ -1,5 +1,3 @@
-#include "sim/fit/simulated_answer.h"
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -10,6 +8,7 @@
 
 #include "controller/tendon_map.h"
 #include "sim/base/timing.h"
+#include "sim/fit/answering_servo.h"
 #include "sim/hand/hand_model.h"
 #include "sim/trial/loop/hand_loop.h"
 

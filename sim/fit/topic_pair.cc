@@ -1,5 +1,3 @@
-#include "sim/fit/topic_pair.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -13,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
+#include "sim/fit/chain_columns.h"
 #include "sim/recordings/time_guess.h"
 #include "sim/tables/time_columns.h"
 

@@ -14,9 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/quantile.h"
 #include "sim/base/threads.h"
-#include "sim/fit/identified_servo.h"
-#include "sim/fit/servo_search.h"
-#include "sim/fit/simulated_answer.h"
+#include "sim/fit/answering_servo.h"
 
 namespace gauntlet::sim {
 namespace {

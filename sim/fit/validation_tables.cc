@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "sim/base/json.h"
+#include "sim/fit/chain_episodes.h"
 #include "sim/fit/chain_log.h"
-#include "sim/fit/chain_tables.h"
 #include "sim/fit/fit_tables.h"
 #include "sim/fit/validation.h"
 

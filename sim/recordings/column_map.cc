@@ -14,7 +14,6 @@
 #include "sim/base/signal.h"
 #include "sim/recordings/column_scale.h"
 #include "sim/recordings/envelope.h"
-#include "sim/recordings/log_map.h"
 #include "sim/recordings/profile.h"
 #include "sim/recordings/time_guess.h"
 #include "sim/tables/name_words.h"

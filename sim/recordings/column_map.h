@@ -11,6 +11,8 @@
 
 namespace gauntlet::sim {
 
+struct Profile;
+
 /// How the numbers of a recording's columns become joint angles.
 enum class RecordedUnit {
   kDegrees,
@@ -93,5 +95,37 @@ std::optional<std::size_t> HandColumn(const TableLayout& layout);
 /// docs/reference/column-maps.md has the language with examples. Columns that the map does not
 /// name are left out. Errors: UserError `map:row:column: ...`.
 ColumnMap ReadColumnMap(const std::filesystem::path& map, const CsvReader& recording);
+
+/// The columns of a table, as a map names them.
+struct RecordingColumns {
+  std::string name;                      // of the file, for messages
+  std::vector<std::string> header = {};  // empty if the file has none
+  std::size_t count = 0;
+  bool may_choose_rows = false;  // of one hand
+};
+
+/// Column map as for a CsvReader, of columns that are given by name.
+ColumnMap ReadColumnMap(const std::filesystem::path& map, const RecordingColumns& recording);
+/// The map of a profile, likewise; columns that the recording does not have are left out.
+ColumnMap MapOfProfile(const Profile& profile, const RecordingColumns& recording);
+
+/// A column of a log of commands and angles: angle [deg] = scale * value + offset_deg.
+struct PartMapping {
+  std::size_t column = 0;
+  std::string role;  // command, angle or motor
+  std::string part;  // joint or motor; empty in a log of one
+  double scale = 1.0;
+  double offset_deg = 0.0;
+};
+
+/// Which column of a log is what.
+struct LogMap {
+  std::vector<TimeMapping> time;  // empty: not by the map
+  std::vector<PartMapping> parts;
+};
+
+/// From a map file as ReadColumnMap() reads it, with the channels `command`, `angle` and `motor`,
+/// and the name of the part in the key `joint`. Errors: UserError `map:row:column: ...`.
+LogMap ReadLogMap(const std::filesystem::path& map, const RecordingColumns& recording);
 
 }  // namespace gauntlet::sim

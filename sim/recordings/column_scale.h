@@ -7,7 +7,6 @@
 
 #include "sim/recordings/channel_values.h"
 #include "sim/recordings/column_map.h"
-#include "sim/recordings/profile.h"
 
 namespace gauntlet::sim {
 
@@ -45,18 +44,5 @@ struct OwnCounts {
 /// The channels that a map takes from one column of counts each, without weights of other columns
 /// and jumps. `nominal`: one for all channels, or one for each of KnownChannels().
 std::vector<OwnCounts> OwnCountsOf(const ColumnMap& map, std::span<const NominalCounts> nominal);
-
-/// The columns of a table, as a map names them.
-struct RecordingColumns {
-  std::string name;                      // of the file, for messages
-  std::vector<std::string> header = {};  // empty if the file has none
-  std::size_t count = 0;
-  bool may_choose_rows = false;  // of one hand
-};
-
-/// Column map as for a CsvReader, of columns that are given by name.
-ColumnMap ReadColumnMap(const std::filesystem::path& map, const RecordingColumns& recording);
-/// The map of a profile, likewise; columns that the recording does not have are left out.
-ColumnMap MapOfProfile(const Profile& profile, const RecordingColumns& recording);
 
 }  // namespace gauntlet::sim

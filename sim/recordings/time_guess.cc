@@ -15,7 +15,6 @@
 #include "sim/recordings/table_statistics.h"
 #include "sim/tables/name_words.h"
 #include "sim/tables/time_columns.h"
-#include "sim/tables/time_text.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -19,7 +19,6 @@
 #include "sim/base/text.h"
 #include "sim/tables/missing.h"
 #include "sim/tables/time_columns.h"
-#include "sim/tables/time_text.h"
 
 namespace gauntlet::sim {
 namespace {

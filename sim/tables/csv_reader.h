@@ -145,4 +145,8 @@ CsvReader::Source FileSource(const std::filesystem::path& path);
 /// A source that reads text in memory, which must outlive it.
 CsvReader::Source TextSource(std::string_view text);
 
+/// Text in UTF-16 with its byte order mark, as spreadsheets write "Unicode text", in UTF-8. What is
+/// no character becomes U+FFFD.
+CsvReader::Source Utf8Of(CsvReader::Source utf16);
+
 }  // namespace gauntlet::sim

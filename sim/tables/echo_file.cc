@@ -1,5 +1,3 @@
-#include "sim/tables/echo_file.h"
-
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
@@ -16,7 +14,8 @@
 #include "sim/base/input_file.h"
 #include "sim/base/json.h"
 #include "sim/base/text.h"
-#include "sim/tables/damaged_file.h"
+#include "sim/tables/byte_reader.h"
+#include "sim/tables/message_file.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -15,13 +15,12 @@
 #include "sim/base/input_file.h"
 #include "sim/base/limited_text.h"
 #include "sim/base/text.h"
+#include "sim/tables/array_files.h"
 #include "sim/tables/csv_reader.h"
-#include "sim/tables/echo_file.h"
-#include "sim/tables/octave_text.h"
+#include "sim/tables/message_file.h"
+#include "sim/tables/opensim_files.h"
 #include "sim/tables/source_bytes.h"
-#include "sim/tables/storage_file.h"
 #include "sim/tables/time_columns.h"
-#include "sim/tables/trc_file.h"
 
 namespace gauntlet::sim {
 namespace {

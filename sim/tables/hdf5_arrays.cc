@@ -8,7 +8,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/helper_process.h"
-#include "sim/tables/library_arrays.h"
+#include "sim/tables/array_files.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -18,7 +18,6 @@
 #include "sim/tables/missing.h"
 #include "sim/tables/name_words.h"
 #include "sim/tables/time_columns.h"
-#include "sim/tables/time_text.h"
 
 namespace gauntlet::sim {
 namespace {

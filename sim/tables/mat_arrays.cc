@@ -13,8 +13,8 @@
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/base/helper_process.h"
+#include "sim/tables/array_files.h"
 #include "sim/tables/file_format.h"
-#include "sim/tables/library_arrays.h"
 
 namespace gauntlet::sim {
 namespace {

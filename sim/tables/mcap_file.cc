@@ -1,5 +1,3 @@
-#include "sim/tables/mcap_file.h"
-
 #include <fmt/format.h>
 #include <lz4frame.h>
 #include <unistd.h>
@@ -18,8 +16,8 @@
 #include "sim/base/text.h"
 #include "sim/tables/byte_reader.h"
 #include "sim/tables/checksum.h"
-#include "sim/tables/damaged_file.h"
 #include "sim/tables/mcap_format.h"
+#include "sim/tables/message_file.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -50,5 +51,29 @@ class MessageFile {
 /// Several files, one after the other, as one. Errors: UserError without a place for a topic whose
 /// type differs between them.
 std::unique_ptr<MessageFile> JoinMessageFiles(std::vector<std::unique_ptr<MessageFile>> parts);
+
+/// Opens an MCAP file. Chunks are uncompressed, lz4 or zstd. The index of the file is used if it
+/// is complete: then only chunks with the topic's messages are read. Checksums are checked.
+/// Source: mcap.dev/spec. Errors: UserError without a place for a damaged file, for a chunk above
+/// 256 MB and for another compression.
+std::unique_ptr<MessageFile> OpenMcap(const std::filesystem::path& file);
+/// As OpenMcap(), for the bytes of a file.
+std::unique_ptr<MessageFile> ReadMcap(std::string bytes);
+
+/// Opens a bag of ROS 2 in a SQLite file (.db3). It is only read, and no file is written beside
+/// it. Source: ros2/rosbag2, rosbag2_storage_sqlite3.
+/// Errors: UserError without a place for a damaged file, a database of another kind, and for a
+/// file with messages in a log beside it (-wal), as of a recorder that was killed.
+std::unique_ptr<MessageFile> OpenRosbag(const std::filesystem::path& file);
+
+/// True for the beginning of what `rostopic echo` and `ros2 topic echo` print: messages in YAML,
+/// each before a line `---`.
+bool IsEcho(std::string_view head);
+
+/// Opens a text of `rostopic echo` or `ros2 topic echo` as a file with one topic, which has no
+/// times but those in the headers of its messages. A last message without a line `---` behind it
+/// is not read.
+/// Errors: UserError without a place for a message that is no YAML or has shortened lists.
+std::unique_ptr<MessageFile> OpenEcho(const std::filesystem::path& file);
 
 }  // namespace gauntlet::sim

@@ -12,7 +12,6 @@
 #include "sim/base/json.h"
 #include "sim/base/text.h"
 #include "sim/tables/byte_reader.h"
-#include "sim/tables/damaged_file.h"
 #include "sim/tables/missing.h"
 
 namespace gauntlet::sim {

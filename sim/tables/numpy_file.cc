@@ -1,5 +1,3 @@
-#include "sim/tables/numpy_file.h"
-
 #include <fmt/format.h>
 #include <zlib.h>
 
@@ -14,8 +12,8 @@
 #include <span>
 
 #include "sim/base/error.h"
-#include "sim/tables/damaged_file.h"
-#include "sim/tables/half_number.h"
+#include "sim/tables/array_files.h"
+#include "sim/tables/byte_reader.h"
 #include "sim/tables/missing.h"
 
 namespace gauntlet::sim {

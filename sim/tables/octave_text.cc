@@ -1,5 +1,3 @@
-#include "sim/tables/octave_text.h"
-
 #include <fmt/format.h>
 
 #include <array>
@@ -10,7 +8,8 @@
 
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
-#include "sim/tables/damaged_file.h"
+#include "sim/tables/array_files.h"
+#include "sim/tables/byte_reader.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,5 +1,3 @@
-#include "sim/tables/parquet_file.h"
-
 #include <fmt/format.h>
 #include <snappy-c.h>
 #include <zlib.h>
@@ -15,9 +13,9 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/tables/array_files.h"
+#include "sim/tables/byte_reader.h"
 #include "sim/tables/checksum.h"
-#include "sim/tables/damaged_file.h"
-#include "sim/tables/half_number.h"
 #include "sim/tables/thrift_value.h"
 
 namespace gauntlet::sim {

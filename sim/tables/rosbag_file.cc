@@ -1,5 +1,3 @@
-#include "sim/tables/rosbag_file.h"
-
 #include <fmt/format.h>
 #include <sqlite3.h>
 
@@ -13,7 +11,8 @@
 #include "sim/base/error.h"
 #include "sim/base/input_file.h"
 #include "sim/base/text.h"
-#include "sim/tables/damaged_file.h"
+#include "sim/tables/byte_reader.h"
+#include "sim/tables/message_file.h"
 
 namespace gauntlet::sim {
 namespace {

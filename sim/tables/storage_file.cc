@@ -1,5 +1,3 @@
-#include "sim/tables/storage_file.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,6 +15,7 @@
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/missing.h"
 #include "sim/tables/name_words.h"
+#include "sim/tables/opensim_files.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {

@@ -16,7 +16,6 @@
 #include "sim/base/error.h"
 #include "sim/tables/source_bytes.h"
 #include "sim/tables/time_columns.h"
-#include "sim/tables/time_text.h"
 
 namespace gauntlet::sim {
 namespace {

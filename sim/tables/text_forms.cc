@@ -15,9 +15,9 @@
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/tables/joint_unit.h"
+#include "sim/tables/opensim_files.h"
 #include "sim/tables/source_bytes.h"
-#include "sim/tables/time_text.h"
-#include "sim/tables/trc_file.h"
+#include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {

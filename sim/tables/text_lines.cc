@@ -10,7 +10,7 @@
 
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
-#include "sim/tables/time_text.h"
+#include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {

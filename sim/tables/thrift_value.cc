@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/tables/damaged_file.h"
+#include "sim/tables/byte_reader.h"
 
 namespace gauntlet::sim {
 namespace {

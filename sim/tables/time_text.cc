@@ -1,9 +1,8 @@
-#include "sim/tables/time_text.h"
-
 #include <cctype>
 #include <chrono>
 
 #include "sim/base/csv_line.h"
+#include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {

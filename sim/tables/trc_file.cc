@@ -1,5 +1,3 @@
-#include "sim/tables/trc_file.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,6 +8,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/tables/csv_reader.h"
+#include "sim/tables/opensim_files.h"
 #include "sim/tables/source_bytes.h"
 #include "sim/tables/time_columns.h"
 

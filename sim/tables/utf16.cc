@@ -1,5 +1,3 @@
-#include "sim/tables/utf16.h"
-
 #include <utf8.h>
 
 #include <algorithm>
@@ -9,6 +7,8 @@
 #include <memory>
 #include <string>
 #include <utility>
+
+#include "sim/tables/csv_reader.h"
 
 namespace gauntlet::sim {
 namespace {

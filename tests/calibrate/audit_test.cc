@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/fit/audit_tables.h"
 #include "sim/tables/mcap_writer.h"
 #include "tests/calibrate/simulated_log.h"
 #include "tests/support/program.h"

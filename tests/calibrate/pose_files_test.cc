@@ -11,7 +11,7 @@
 
 #include "sim/base/error.h"
 #include "sim/fit/calibration.h"
-#include "sim/fit/resolution.h"
+#include "sim/fit/pose_recording.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

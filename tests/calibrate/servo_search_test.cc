@@ -1,6 +1,4 @@
 // The servo of logs that the simulated servo made with other settings.
-#include "sim/fit/servo_search.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,8 +7,8 @@
 
 #include "sim/base/data_folder.h"
 #include "sim/base/signal.h"
+#include "sim/fit/answering_servo.h"
 #include "sim/fit/chain_fit.h"
-#include "sim/fit/simulated_answer.h"
 #include "tests/calibrate/made_up_servo.h"
 
 namespace gauntlet::sim {

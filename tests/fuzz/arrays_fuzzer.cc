@@ -10,15 +10,13 @@
 #include <string_view>
 
 #include "sim/base/error.h"
+#include "sim/tables/array_files.h"
 #include "sim/tables/array_table.h"
+#include "sim/tables/csv_reader.h"
 #include "sim/tables/json_arrays.h"
-#include "sim/tables/mcap_file.h"
+#include "sim/tables/message_file.h"
 #include "sim/tables/message_rows.h"
 #include "sim/tables/message_table.h"
-#include "sim/tables/numpy_file.h"
-#include "sim/tables/octave_text.h"
-#include "sim/tables/parquet_file.h"
-#include "sim/tables/utf16.h"
 #include "tests/fuzz/edited_copy.h"
 #include "tests/support/source_dir.h"
 #include "tests/support/table_text.h"

@@ -9,7 +9,7 @@
 #include "sim/show/video/cairo_painter.h"
 #include "sim/show/video/recording_picture.h"
 #include "sim/study/scenario/scenario_reader.h"
-#include "sim/tables/time_text.h"
+#include "sim/tables/time_columns.h"
 #include "tests/inspect/inspected_text.h"
 
 namespace gauntlet::sim {

@@ -11,8 +11,6 @@
 
 #include "controller/calibration/robust_statistics.h"
 #include "sim/fit/answering_servo.h"
-#include "sim/fit/identified_servo.h"
-#include "sim/fit/simulated_answer.h"
 #include "sim/hand/hand_model.h"
 #include "tests/calibrate/joint_commands.h"
 

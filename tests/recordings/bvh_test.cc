@@ -16,7 +16,7 @@
 
 #include "sim/base/error.h"
 #include "sim/recordings/keypoints/bone_names.h"
-#include "sim/recordings/keypoints/bvh_file.h"
+#include "sim/recordings/keypoints/keypoint_table.h"
 #include "sim/recordings/table_source.h"
 #include "sim/tables/file_format.h"
 #include "sim/tables/source_bytes.h"

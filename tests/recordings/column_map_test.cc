@@ -13,7 +13,7 @@
 #include "sim/base/signal.h"
 #include "sim/recordings/profile.h"
 #include "sim/recordings/recording_reader.h"
-#include "sim/tables/time_text.h"
+#include "sim/tables/time_columns.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 

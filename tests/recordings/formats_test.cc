@@ -12,11 +12,11 @@
 
 #include "sim/base/error.h"
 #include "sim/recordings/table_source.h"
+#include "sim/tables/array_files.h"
 #include "sim/tables/array_table.h"
+#include "sim/tables/csv_reader.h"
 #include "sim/tables/file_format.h"
 #include "sim/tables/json_arrays.h"
-#include "sim/tables/numpy_file.h"
-#include "sim/tables/utf16.h"
 #include "tests/support/program.h"
 #include "tests/support/table_text.h"
 

@@ -17,8 +17,8 @@
 
 #include "sim/base/error.h"
 #include "sim/recordings/table_source.h"
+#include "sim/tables/array_files.h"
 #include "sim/tables/checksum.h"
-#include "sim/tables/parquet_file.h"
 #include "sim/tables/source_bytes.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"

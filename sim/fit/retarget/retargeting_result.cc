@@ -1,5 +1,3 @@
-#include "sim/fit/retarget/retargeting_result.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "sim/base/json.h"
 #include "sim/base/quantile.h"
 #include "sim/base/signal.h"
+#include "sim/fit/retarget/retargeting.h"
 
 namespace gauntlet::sim {
 namespace {

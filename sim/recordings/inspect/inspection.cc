@@ -21,7 +21,7 @@
 #include "sim/recordings/column_scale.h"
 #include "sim/recordings/envelope.h"
 #include "sim/recordings/inspect/health.h"
-#include "sim/recordings/inspect/row_groups.h"
+#include "sim/recordings/inspect/senders.h"
 #include "sim/recordings/inspect/stop_questions.h"
 #include "sim/recordings/profile.h"
 #include "sim/recordings/table_source.h"

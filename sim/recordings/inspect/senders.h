@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -74,6 +75,28 @@ class SenderWatch {
   ClockPair clock_;
   std::vector<double> before_, before_that_;
   std::vector<Steps> to_before_, to_before_that_;
+};
+
+/// Watches one column that may tell the rows of several hands, devices or sessions apart.
+class RowGroups {
+ public:
+  explicit RowGroups(std::size_t column) : column_(column) {}
+
+  std::size_t column() const { return column_; }
+  /// `group` is a number or a text's number.
+  void Add(double group);
+
+  /// Number of different groups; 0 if there are too many to be hands, devices or sessions.
+  std::size_t count() const;
+  /// True if groups take turns from row to row.
+  bool Alternate() const;
+
+ private:
+  std::size_t column_;
+  double rows_ = 0.0;
+  double returns_ = 0.0;  // changes to a group that had rows before
+  std::optional<double> before_;
+  std::set<double> groups_;
 };
 
 }  // namespace gauntlet::sim

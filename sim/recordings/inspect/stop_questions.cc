@@ -14,7 +14,6 @@
 #include "sim/recordings/time_guess.h"
 #include "sim/tables/name_words.h"
 #include "sim/tables/time_columns.h"
-#include "sim/tables/time_text.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "sim/recordings/inspect/inspection.h"
-#include "sim/recordings/inspect/row_groups.h"
+#include "sim/recordings/inspect/senders.h"
 
 namespace gauntlet::sim {
 

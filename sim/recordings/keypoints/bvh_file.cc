@@ -1,5 +1,3 @@
-#include "sim/recordings/keypoints/bvh_file.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -21,6 +19,7 @@
 #include "sim/base/text.h"
 #include "sim/recordings/keypoints/bone_names.h"
 #include "sim/recordings/keypoints/keypoint_layout.h"
+#include "sim/recordings/keypoints/keypoint_table.h"
 #include "sim/tables/missing.h"
 #include "sim/tables/time_columns.h"
 

@@ -1,5 +1,3 @@
-#include "sim/recordings/keypoints/hand_rotations.h"
-
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
@@ -14,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/quantile.h"
 #include "sim/base/signal.h"
+#include "sim/recordings/keypoints/keypoint_angles.h"
 #include "sim/tables/missing.h"
 
 namespace gauntlet::sim {

@@ -1,5 +1,3 @@
-#include "sim/recordings/keypoints/keypoint_rows.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
+#include "sim/recordings/keypoints/keypoint_table.h"
 #include "sim/tables/name_words.h"
 #include "sim/tables/source_bytes.h"
 #include "sim/tables/time_columns.h"

@@ -12,7 +12,7 @@
 
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
-#include "sim/recordings/keypoints/hand_rotations.h"
+#include "sim/recordings/keypoints/keypoint_angles.h"
 #include "sim/tables/missing.h"
 #include "sim/tables/source_bytes.h"
 #include "sim/tables/table_layout.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "controller/calibration/robust_statistics.h"
-#include "sim/fit/audit_tables.h"
+#include "sim/fit/audit.h"
 #include "sim/fit/fit_tables.h"
 #include "sim/results/html_text.h"
 #include "sim/show/figure/panel.h"

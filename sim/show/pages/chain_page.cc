@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "sim/fit/chain_tables.h"
+#include "sim/fit/chain_episodes.h"
 #include "sim/fit/fit_tables.h"
 #include "sim/results/html_text.h"
 #include "sim/show/pages/cells_page.h"
