@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -235,6 +236,37 @@ CopiedRows CopiedRowsAt(std::span<const double> command, std::span<const double>
   return rows;
 }
 
+struct KindFacts {
+  CommandKind kind;
+  const char* name;
+  const char* problem;  // with the place of a row's time [ms]
+};
+
+const KindFacts& FactsOf(CommandKind kind) {
+  using enum CommandKind;
+  static constexpr std::array<KindFacts, 9> kFacts = {{
+      {kTarget, "target", ""},
+      {kCopy, "copy", "its commands are copies of its angles: no delay can be told"},
+      {kNextRow, "next_row",
+       "its commands are the angles of the next row: {:.3g} ms is the row, not the hand"},
+      {kLaterRow, "later_row",
+       "its commands are the angles of a later row, to the last digit: none was measured"},
+      {kEarlierRow, "earlier_row",
+       "its commands are the angles of the row before: no delay can be told"},
+      {kMixed, "mixed",
+       "its commands are copies of its angles in some of the rows: leave these rows out"},
+      {kSteps, "steps",
+       "its commands are steps of the angle, which give no delay as positions: sum them"},
+      {kVelocity, "velocity",
+       "its commands are speeds of the angle, which give no delay as positions: sum them over the "
+       "time"},
+      {kChanges, "changes",
+       "its commands go with the speed of its angle, and give no delay as positions: they are "
+       "steps in another scale, or differences to the angle"},
+  }};
+  return *std::ranges::find(kFacts, kind, &KindFacts::kind);
+}
+
 }  // namespace
 
 CopiedRows FindCopiedRows(std::span<const double> command, std::span<const double> angle) {
@@ -288,57 +320,10 @@ CommandKind FindCommandKind(std::span<const double> command, std::span<const dou
   return is_near(1.0 / rate_hz) ? CommandKind::kVelocity : CommandKind::kChanges;
 }
 
-const char* NameOf(CommandKind kind) {
-  switch (kind) {
-    case CommandKind::kTarget:
-      return "target";
-    case CommandKind::kCopy:
-      return "copy";
-    case CommandKind::kNextRow:
-      return "next_row";
-    case CommandKind::kLaterRow:
-      return "later_row";
-    case CommandKind::kEarlierRow:
-      return "earlier_row";
-    case CommandKind::kMixed:
-      return "mixed";
-    case CommandKind::kSteps:
-      return "steps";
-    case CommandKind::kVelocity:
-      return "velocity";
-    case CommandKind::kChanges:
-      return "changes";
-  }
-  return "";
-}
+const char* NameOf(CommandKind kind) { return FactsOf(kind).name; }
 
 std::string ProblemOf(CommandKind kind, double rate_hz) {
-  switch (kind) {
-    case CommandKind::kTarget:
-      return "";
-    case CommandKind::kCopy:
-      return "its commands are copies of its angles: no delay can be told";
-    case CommandKind::kNextRow:
-      return fmt::format(
-          "its commands are the angles of the next row: {:.3g} ms is the row, not the hand",
-          1e3 / rate_hz);
-    case CommandKind::kLaterRow:
-      return "its commands are the angles of a later row, to the last digit: none was measured";
-    case CommandKind::kEarlierRow:
-      return "its commands are the angles of the row before: no delay can be told";
-    case CommandKind::kMixed:
-      return "its commands are copies of its angles in some of the rows: leave these rows out";
-    case CommandKind::kSteps:
-      return "its commands are steps of the angle, which give no delay as positions: sum them";
-    case CommandKind::kVelocity:
-      return "its commands are speeds of the angle, which give no delay as positions: sum them "
-             "over the time";
-    case CommandKind::kChanges:
-      return "its commands go with the speed of its angle, and give no delay as positions: they "
-             "are "
-             "steps in another scale, or differences to the angle";
-  }
-  return "";
+  return fmt::format(fmt::runtime(FactsOf(kind).problem), 1e3 / rate_hz);
 }
 
 }  // namespace gauntlet::sim

@@ -169,10 +169,7 @@ bool EpisodeReader::NextRow() {
   row_.reset();
   if (!csv.NextRow(values_)) return false;
   row_.emplace();
-  for (const TimeMapping& time : columns_.time) {
-    row_->time_s += values_[time.column] * time.scale_s;
-  }
-  if (columns_.time.empty()) row_->time_s = rows_ / rate_hz_;
+  row_->time_s = columns_.time.empty() ? rows_ / rate_hz_ : TimeOfRow(columns_.time, values_);
   if (std::isnan(row_->time_s)) csv.Fail(TimeColumn() + 1, "the time is missing");
   row_->begins = BeginsEpisode();
   row_->episode = numbers_.back();
@@ -236,8 +233,7 @@ void EpisodeReader::ReadCommands(EpisodeRows& rows) {
   std::vector<double> values(csv.column_count());
   double last_s = -HUGE_VAL;
   while (csv.NextRow(values)) {
-    double time_s = 0.0;
-    for (const TimeMapping& part : time) time_s += values[part.column] * part.scale_s;
+    const double time_s = TimeOfRow(time, values);
     if (!(time_s > last_s)) continue;  // sent twice
     last_s = time_s;
     for (std::size_t i = 0; i < columns_.commands.size(); ++i) {

@@ -190,9 +190,7 @@ void FindStretches(const Rows& rows, bool has_time, PoseRecording& recording) {
 void ReadTime(const CsvReader& csv, const PoseColumns& columns, const std::vector<double>& values,
               Rows& rows) {
   if (columns.time.empty()) return;
-  double time_s = 0.0;
-  for (const TimeMapping& time : columns.time) time_s += values[time.column] * time.scale_s;
-  time_s = rows.midnight.Add(time_s);
+  const double time_s = rows.midnight.Add(TimeOfRow(columns.time, values));
   const std::size_t place = columns.time.front().column + 1;
   if (std::isnan(time_s)) csv.Fail(place, "the time is missing");
   if (time_s <= rows.last_s) {

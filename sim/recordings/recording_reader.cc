@@ -142,19 +142,13 @@ void RecordingReader::CheckRange(std::size_t channel, double angle_rad) {
                      joint.min_deg, joint.max_deg));
 }
 
-double RecordingReader::GivenTimeS(std::span<const double> values) const {
-  double sum_s = 0.0;
-  for (const TimeMapping& time : map_.time) sum_s += values[time.column] * time.scale_s;
-  return sum_s;
-}
-
 bool RecordingReader::FixTime(double& time_s) {
   if (map_.time.empty()) {
     time_s = good_rows_ * row_period_s_;
     return true;
   }
   const std::size_t column = map_.time.back().column + 1;
-  const double given_s = GivenTimeS(values_);
+  const double given_s = TimeOfRow(map_.time, values_);
   if (!std::isfinite(given_s)) return false;  // the CSV reader has reported it
   if (std::abs(given_s) > 1e12) {
     ReportHere(RecordingProblem::kTimeOutOfRange, column, fmt::format("the time is {} s", given_s));
@@ -199,7 +193,8 @@ bool RecordingReader::IsWildTime(double step_s) {
     next_row_ = csv_->row();
   }
   if (!has_next_) return std::abs(step_s) > kClockRestart_s;
-  const double next_s = MidnightClock(midnight_).Add(GivenTimeS(next_values_)) + clock_offset_s_;
+  const double next_s =
+      MidnightClock(midnight_).Add(TimeOfRow(map_.time, next_values_)) + clock_offset_s_;
   const double next_step_s = next_s - last_time_s_;
   return next_step_s > 0.0 && next_step_s <= longest_step_s;
 }

@@ -86,8 +86,6 @@ class RecordingReader {
   Count& Note(RecordingProblem problem, std::size_t row);
   void CheckRange(std::size_t channel, double angle_rad);
   bool ReadRow();
-  /// In the file; NaN if a part of it is missing.
-  double GivenTimeS(std::span<const double> values) const;
   bool FixTime(double& time_s);
   bool IsWildTime(double step_s);
   void AddChannels(const RecordingFormat& format);

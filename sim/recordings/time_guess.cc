@@ -28,6 +28,7 @@ std::vector<double> ValuesOf(const TableLayout& layout, std::size_t column) {
   return values;
 }
 
+constexpr std::string_view kDate = "date";  // a unit of column maps: of dates and clocks
 constexpr std::string_view kRowNumbers = "i n id idx nr index sequence counter";
 
 /// True for a name of something that is no time: a finger, a joint, a sensor, a frame's number or
@@ -83,7 +84,7 @@ constexpr double kSince1970_s = 5e8;  // from 1985 on
 constexpr double kLongest_s = 0.4;
 
 bool IsRateOfGlove(double usual_step, std::string_view unit) {
-  const double rate_hz = 1.0 / (usual_step * SecondsPer(std::string(unit)));
+  const double rate_hz = 1.0 / (usual_step * SecondsPer(unit));
   return rate_hz >= kSlowest_hz && rate_hz <= kFastest_hz;
 }
 
@@ -134,55 +135,55 @@ std::string_view UnitByName(const std::string& name) {
 }
 
 /// Columns of hour, minute and second, or of seconds and nanoseconds.
-std::vector<TimePart> NamedParts(const TableLayout& layout) {
+std::vector<TimeMapping> NamedParts(const TableLayout& layout) {
   constexpr std::array<Meaning, 6> kParts = {{{"day", "day"},
                                               {"h", "hour hours hh"},
                                               {"min", "minute minutes min mm"},
                                               {"s", "second seconds sec secs ss"},
                                               {"ms", "ms millisecond milliseconds"},
                                               {"ns", "nsec nsecs nanosec"}}};
-  std::vector<TimePart> parts;
+  std::vector<TimeMapping> parts;
+  const auto has = [&parts](std::string_view unit) {
+    return std::ranges::find(parts, unit, UnitOfTime) != parts.end();
+  };
   for (std::size_t column = 0; column < layout.columns; ++column) {
     const std::vector<std::string> words = WordsOf(layout.names[column]);
     if (words.empty() || KindOf(layout, column) != CellKind::kNumber) continue;
-    const std::string unit(MeaningOf(kParts, words.back()));
-    const bool is_new = std::ranges::find(parts, unit, &TimePart::unit) == parts.end();
-    if (!unit.empty() && is_new) parts.push_back({column, unit});
+    const std::string_view unit = MeaningOf(kParts, words.back());
+    if (!unit.empty() && !has(unit)) parts.push_back(TimeIn(column, unit));
   }
-  const auto has = [&parts](std::string_view unit) {
-    return std::ranges::find(parts, unit, &TimePart::unit) != parts.end();
-  };
   if ((has("h") && has("min")) || (has("min") && has("s"))) return parts;
   if (has("s") && has("ns")) {
-    std::erase_if(parts,
-                  [](const TimePart& part) { return part.unit != "s" && part.unit != "ns"; });
+    std::erase_if(parts, [](const TimeMapping& part) {
+      return UnitOfTime(part) != "s" && UnitOfTime(part) != "ns";
+    });
     return parts;
   }
   return {};
 }
 
 /// Columns of dates and clock times: one with both, or one of each.
-std::vector<TimePart> DateParts(const TableLayout& layout) {
-  std::vector<TimePart> parts;
+std::vector<TimeMapping> DateParts(const TableLayout& layout) {
+  std::vector<TimeMapping> parts;
   for (std::size_t column = 0; column < layout.columns; ++column) {
     if (KindOf(layout, column) != CellKind::kTime) continue;
     const std::string& cell = layout.rows.front()[column];
     const bool has_clock = cell.find(':') != std::string::npos;
     const bool has_date = cell.find_first_of("-/") != std::string::npos ||
                           std::ranges::count(cell.substr(0, 10), '.') == 2;
-    if (has_clock && has_date) return {{column, "date"}};
-    parts.push_back({column, "date"});
+    if (has_clock && has_date) return {TimeIn(column, kDate)};
+    parts.push_back(TimeIn(column, kDate));
   }
   return parts;
 }
 
 /// True if dates and clocks advance in nearly every row.
-bool Advance(const std::vector<TimePart>& dates, const TableLayout& layout) {
+bool Advance(const std::vector<TimeMapping>& dates, const TableLayout& layout) {
   constexpr double kNearlyAll = 0.9;
   std::vector<double> times;
   for (const auto& row : layout.rows) {
     double sum_s = 0.0;
-    for (const TimePart& part : dates) {
+    for (const TimeMapping& part : dates) {
       sum_s += SecondsOfText(row[part.column]).value_or(controller::kNaN);
     }
     times.push_back(sum_s);
@@ -210,7 +211,7 @@ TimeGuess GuessOf(std::size_t column, const std::string& name, double first, dou
                                                    : "";
   if (!unit.empty()) {
     return {
-        {{column, std::string(unit)}},
+        {TimeIn(column, unit)},
         fmt::format("by its name; {} by {}", unit,
                     named.empty() && !is_s ? fmt::format("a date of {:.10g}", first) : "its name")};
   }
@@ -235,7 +236,21 @@ double MidnightClock::Add(double time_s) {
   return time_s + midnights_ * kDay_s;
 }
 
-double SecondsPer(const std::string& time_unit) { return SecondsPerUnit(time_unit).value_or(1.0); }
+double SecondsPer(std::string_view time_unit) { return SecondsPerUnit(time_unit).value_or(1.0); }
+
+TimeMapping TimeIn(std::size_t column, std::string_view unit) {
+  return {.column = column, .scale_s = SecondsPer(unit), .is_text = unit == kDate};
+}
+
+std::string UnitOfTime(const TimeMapping& time) {
+  return time.is_text ? std::string(kDate) : UnitOfSeconds(time.scale_s);
+}
+
+double TimeOfRow(std::span<const TimeMapping> time, std::span<const double> row) {
+  double time_s = 0.0;
+  for (const TimeMapping& part : time) time_s += part.scale_s * row[part.column];
+  return time_s;
+}
 
 TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
   const auto dates = DateParts(layout);
@@ -269,13 +284,13 @@ TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
         best.asked = column;
       }
     } else if (is_named) {
-      if (!unit.empty()) return {{{column, unit}}, "in the unit that is given"};
+      if (!unit.empty()) return {{TimeIn(column, unit)}, "in the unit that is given"};
       return GuessOf(column, name, values.front(), steps.usual);
     } else if (dates.empty() && nameless.why.empty() && steps.forward_share >= kAll &&
                !NamesOther(name)) {
       nameless = GuessOf(column, name, values.front(), steps.usual);
       nameless_step = steps.usual;
-      if (!unit.empty()) nameless.parts = {{column, unit}};
+      if (!unit.empty()) nameless.parts = {TimeIn(column, unit)};
     }
   }
   if (nameless.why.empty() || !best.question.empty()) return best;
@@ -283,7 +298,7 @@ TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
   const bool is_nameless = first.empty() || first.starts_with("Unnamed: ");  // of pandas
   if (nameless.asked == 0U && is_nameless && unit.empty() && IsRateOfGlove(nameless_step, "s") &&
       nameless_step <= kLongest_s) {
-    return {.parts = {{0, "s"}},
+    return {.parts = {TimeIn(0, "s")},
             .why = "the first column, without a name, rises as a time does; s assumed",
             .is_named = false,
             .unit_is_assumed = true};
@@ -297,11 +312,7 @@ TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
 }
 
 TimeGuess TimeOfMap(const std::vector<TimeMapping>& time) {
-  TimeGuess guess = {{}, time.empty() ? "the map names none" : "by the map"};
-  for (const TimeMapping& part : time) {
-    guess.parts.push_back({part.column, part.is_text ? "date" : UnitOfSeconds(part.scale_s)});
-  }
-  return guess;
+  return {time, time.empty() ? "the map names none" : "by the map"};
 }
 
 std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& layout,
@@ -314,10 +325,7 @@ std::vector<TimeMapping> TimeByName(const std::string& file, const TableLayout& 
          .problem = guess.question +
                     "; call it time_s, time_ms, time_us or time_ns, or give --time-unit"});
   }
-  for (const TimePart& part : guess.parts) {
-    if (!guess.is_named && unit.empty()) break;
-    time.push_back({part.column, SecondsPer(part.unit), part.unit == "date"});
-  }
+  if (guess.is_named || !unit.empty()) time = guess.parts;
   for (std::size_t c = 0; time.empty() && c < layout.columns; ++c) {
     const auto scale_s = TimeScaleS(layout.names[c]);
     if (!scale_s) continue;

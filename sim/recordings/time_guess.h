@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,14 +12,15 @@
 
 namespace gauntlet::sim {
 
-/// A column with the time, or with a part of it.
-struct TimePart {
-  std::size_t column = 0;
-  std::string unit = {};  // as in a column map
-};
+/// A column of time in a unit as in a column map.
+TimeMapping TimeIn(std::size_t column, std::string_view unit);
+/// The unit of a column of time, as in a column map.
+std::string UnitOfTime(const TimeMapping& time);
+/// Time of a row by the values of all columns [s]; NaN if a part of it is missing, 0 without any.
+double TimeOfRow(std::span<const TimeMapping> time, std::span<const double> row);
 
 struct TimeGuess {
-  std::vector<TimePart> parts;  // empty: no time columns
+  std::vector<TimeMapping> parts;  // empty: no time columns
   std::string why;
   std::string question = {};              // that is open while there are no parts; empty: none
   std::optional<std::size_t> asked = {};  // the column that the question is about
@@ -67,7 +69,7 @@ std::vector<std::size_t> ColumnsAside(const std::vector<TimeMapping>& time,
 /// Makes a reader pass over all columns but those of the time and `used`.
 void ReadOnly(const std::vector<TimeMapping>& time, const std::vector<std::size_t>& used,
               CsvReader& reader);
-/// Seconds per unit of a part; 1 for dates.
-double SecondsPer(const std::string& time_unit);
+/// Seconds per unit of a column of time; 1 for dates.
+double SecondsPer(std::string_view time_unit);
 
 }  // namespace gauntlet::sim

@@ -52,42 +52,45 @@ constexpr std::array<Signature, 14> kSignatures = {{
 struct FormatFacts {
   FileFormat format;
   std::string_view name;
+  std::string_view in_profiles = "other";
   std::string_view way_out = "";
 };
 const FormatFacts& FactsOf(FileFormat format) {
   static constexpr std::array<FormatFacts, 28> kFacts = {{
-      {FileFormat::kText, "text"},
-      {FileFormat::kUtf16, "UTF-16 text"},
+      {FileFormat::kText, "text", "text"},
+      {FileFormat::kUtf16, "UTF-16 text", "text"},
       {FileFormat::kBvh, "BVH"},
       {FileFormat::kStorage, "OpenSim storage"},
       {FileFormat::kTrc, "TRC"},
       {FileFormat::kEmpty, "empty"},
-      {FileFormat::kJson, "JSON"},
-      {FileFormat::kNpy, "NPY of NumPy"},
-      {FileFormat::kNpz, "NPZ of NumPy"},
-      {FileFormat::kMat, "MAT of MATLAB"},
-      {FileFormat::kHdf5, "HDF5"},
-      {FileFormat::kXlsx, "XLSX", "save the sheet as CSV"},
-      {FileFormat::kZip, "ZIP", "unpack it and give the file that is in it"},
-      {FileFormat::kGzip, "gzip", "unpack it: gunzip --keep FILE"},
-      {FileFormat::kZstd, "zstd", "unpack it: zstd -d FILE"},
-      {FileFormat::kSqlite, "a ROS 2 bag"},
-      {FileFormat::kRosEcho, "text of rostopic echo"},
-      {FileFormat::kRosBag, "a ROS 1 bag",
+      {FileFormat::kJson, "JSON", "json"},
+      {FileFormat::kNpy, "NPY of NumPy", "npy"},
+      {FileFormat::kNpz, "NPZ of NumPy", "npy"},
+      {FileFormat::kMat, "MAT of MATLAB", "mat"},
+      {FileFormat::kHdf5, "HDF5", "hdf5"},
+      {FileFormat::kXlsx, "XLSX", "other", "save the sheet as CSV"},
+      {FileFormat::kZip, "ZIP", "other", "unpack it and give the file that is in it"},
+      {FileFormat::kGzip, "gzip", "other", "unpack it: gunzip --keep FILE"},
+      {FileFormat::kZstd, "zstd", "other", "unpack it: zstd -d FILE"},
+      {FileFormat::kSqlite, "a ROS 2 bag", "bag"},
+      {FileFormat::kRosEcho, "text of rostopic echo", "echo"},
+      {FileFormat::kRosBag, "a ROS 1 bag", "other",
        "write a topic as CSV: rostopic echo -b FILE -p /TOPIC > TOPIC.csv"},
-      {FileFormat::kMcap, "MCAP"},
+      {FileFormat::kMcap, "MCAP", "mcap"},
       {FileFormat::kOctave, "text of Octave"},
-      {FileFormat::kParquet, "Parquet"},
-      {FileFormat::kLfsPointer, "a pointer of Git LFS", "fetch the file itself: git lfs pull"},
-      {FileFormat::kVideo, "a video",
+      {FileFormat::kParquet, "Parquet", "parquet"},
+      {FileFormat::kLfsPointer, "a pointer of Git LFS", "other",
+       "fetch the file itself: git lfs pull"},
+      {FileFormat::kVideo, "a video", "other",
        "find the joint angles in it with a hand tracker and write them as CSV"},
-      {FileFormat::kC3d, "C3D",
+      {FileFormat::kC3d, "C3D", "other",
        "write the angles of its joints as .mot or CSV, or markers as .trc"},
-      {FileFormat::kXdf, "XDF of the Lab Streaming Layer", "write one stream as CSV, with pyxdf"},
-      {FileFormat::kFbx, "FBX", "write its skeleton as BVH, with Blender"},
-      {FileFormat::kUrdf, "a URDF, a model of a robot",
+      {FileFormat::kXdf, "XDF of the Lab Streaming Layer", "other",
+       "write one stream as CSV, with pyxdf"},
+      {FileFormat::kFbx, "FBX", "other", "write its skeleton as BVH, with Blender"},
+      {FileFormat::kUrdf, "a URDF, a model of a robot", "other",
        "a hand must be an MJCF file as models/README.md describes"},
-      {FileFormat::kBinary, "binary, of a kind that is not known",
+      {FileFormat::kBinary, "binary, of a kind that is not known", "other",
        "export it as CSV from the program that wrote it"},
   }};
   return *std::ranges::find(kFacts, format, &FormatFacts::format);
@@ -293,6 +296,8 @@ void CheckFolder(const fs::path& file) {
 }
 
 std::string_view NameOf(FileFormat format) { return FactsOf(format).name; }
+
+std::string_view NameInProfiles(FileFormat format) { return FactsOf(format).in_profiles; }
 
 std::string_view WayOut(FileFormat format) { return FactsOf(format).way_out; }
 

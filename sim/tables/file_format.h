@@ -60,6 +60,8 @@ void CheckFolder(const std::filesystem::path& file);
 
 /// As a person calls it.
 std::string_view NameOf(FileFormat format);
+/// As profiles call it: see ProfileFacts.
+std::string_view NameInProfiles(FileFormat format);
 /// Advice for a file that Gauntlet does not read, as a part of a sentence; empty if it does.
 std::string_view WayOut(FileFormat format);
 

@@ -96,7 +96,7 @@ std::string TimeOf(const std::string& header, const std::vector<std::string>& ti
   std::string text = header + "\n";
   for (std::size_t row = 0; row < times.size(); ++row) text += times[row] + ",0.5\n";
   std::string units;
-  for (const TimePart& part : GuessTime(LayoutOf(text)).parts) units += part.unit + " ";
+  for (const TimeMapping& part : GuessTime(LayoutOf(text)).parts) units += UnitOfTime(part) + " ";
   return units;
 }
 
@@ -124,7 +124,7 @@ TEST(GuessTime, AsksForTheUnitOfOtherTimes) {
     std::string text = name + ",a\n";
     for (int row = 0; row < 5; ++row) text += std::to_string(20 * row) + ",0.5\n";
     const TimeGuess time = GuessTime(LayoutOf(text), unit);
-    return time.parts.empty() ? time.question : time.parts[0].unit;
+    return time.parts.empty() ? time.question : UnitOfTime(time.parts[0]);
   };
   EXPECT_EQ(ask("time", ""), "column 1 'time' rises by 20 from row to row");
   EXPECT_EQ(ask("clock", ""), "column 1 'clock' rises by 20 from row to row");

@@ -49,9 +49,8 @@ MotionTable LoadMotionTable(const std::filesystem::path& file, const FingertipFo
   std::vector<double> row(names.size());
   std::vector<double> values;
   while (csv.NextRow(row)) {
-    double time_s = time.empty() ? static_cast<double>(table.time_s.size()) / rate_hz : 0.0;
-    for (const TimeMapping& part : time) time_s += part.scale_s * row[part.column];
-    time_s = midnight.Add(time_s);
+    const double time_s = midnight.Add(
+        time.empty() ? static_cast<double>(table.time_s.size()) / rate_hz : TimeOfRow(time, row));
     if (!std::isfinite(time_s)) csv.Fail(time.front().column + 1, "the time is missing");
     if (!table.time_s.empty() && !(time_s > table.time_s.back())) {
       csv.Fail(time.front().column + 1,

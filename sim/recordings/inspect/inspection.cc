@@ -81,14 +81,6 @@ std::size_t ClockOf(const TimeGuess& time, const std::vector<InspectedColumn>& c
   return static_cast<std::size_t>(named - columns.begin());
 }
 
-std::vector<TimeMapping> MappingsOf(const TimeGuess& time) {
-  std::vector<TimeMapping> mappings;
-  for (const TimePart& part : time.parts) {
-    mappings.push_back({part.column, SecondsPer(part.unit), part.unit == "date"});
-  }
-  return mappings;
-}
-
 /// Reads the whole table once.
 TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColumn>& columns,
                           const std::optional<HandRows>& hand, CsvReader& csv,
@@ -102,9 +94,7 @@ TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColu
   std::vector<double> values(csv.column_count());
   const std::size_t clock = ClockOf(time, columns);
   while (csv.NextRow(values)) {
-    double time_s = time.parts.empty() ? kNaN : 0.0;
-    for (const TimePart& part : time.parts) time_s += values[part.column] * SecondsPer(part.unit);
-    time_s = midnight.Add(time_s);
+    const double time_s = midnight.Add(time.parts.empty() ? kNaN : TimeOfRow(time.parts, values));
     statistics.Add(time_s, values);
     const bool is_named = time.parts.empty() && clock < values.size();
     senders.Add(is_named ? *TimeScaleS(columns[clock].name) * values[clock] : time_s, values);
@@ -255,44 +245,15 @@ void SetTime(const TimeGuess& guess, const TimeStatistics& time, double given_ra
                                     : "its column has no two rows at different times";
   inspection.time_question = guess.question;
   if (guess.asked) inspection.columns.at(*guess.asked).is_time = true;
-  for (const TimePart& part : guess.parts) inspection.columns.at(part.column).is_time = true;
+  for (const TimeMapping& part : guess.parts) inspection.columns.at(part.column).is_time = true;
   if (!inspection.has_time) {
     SetRate(time, is_coarse, given_rate_hz, inspection);
     return;
   }
   inspection.rate_is_assumed = guess.unit_is_assumed;
   inspection.time = time;
-  for (const TimePart& part : guess.parts) {
-    inspection.columns.at(part.column).time_unit = part.unit;
-  }
-}
-
-/// The word of profiles for the format.
-std::string FormatOfProfile(FileFormat format) {
-  using enum FileFormat;
-  switch (format) {
-    case kText:
-    case kUtf16:
-      return "text";
-    case kJson:
-      return "json";
-    case kMat:
-      return "mat";
-    case kHdf5:
-      return "hdf5";
-    case kNpy:
-    case kNpz:
-      return "npy";
-    case kParquet:
-      return "parquet";
-    case kMcap:
-      return "mcap";
-    case kSqlite:
-      return "bag";
-    case kRosEcho:
-      return "echo";
-    default:
-      return "other";
+  for (const TimeMapping& part : guess.parts) {
+    inspection.columns.at(part.column).time_unit = UnitOfTime(part);
   }
 }
 
@@ -377,13 +338,10 @@ void ComputeEnvelopeStatistics(const std::filesystem::path& file, TableInput tab
   TableStatistics statistics(envelopes.size());
   std::vector<double> values(reader.column_count());
   std::vector<double> active(envelopes.size());
-  MidnightClock midnight(MappingsOf(time));
+  MidnightClock midnight(time.parts);
   for (double row = 0.0; reader.NextRow(values); ++row) {
-    double time_s = inspection.has_time ? 0.0 : row / inspection.time.rate_hz;
-    for (const TimePart& part : time.parts) {
-      if (inspection.has_time) time_s += values[part.column] * SecondsPer(part.unit);
-    }
-    time_s = midnight.Add(time_s);
+    const double time_s = midnight.Add(inspection.has_time ? TimeOfRow(time.parts, values)
+                                                           : row / inspection.time.rate_hz);
     for (std::size_t i = 0; i < envelopes.size(); ++i) {
       active[i] = envelopes[i].second.Step(time_s, values[envelopes[i].first]);
     }
@@ -581,7 +539,7 @@ void FindMusclesByNotes(const std::vector<std::string>& notes,
 
 /// Clocks beside the time, if it is used.
 std::vector<std::size_t> OtherClocks(const TimeGuess& time, const Inspection& inspection) {
-  return inspection.has_time ? ClocksBeside(MappingsOf(time), inspection.layout)
+  return inspection.has_time ? ClocksBeside(time.parts, inspection.layout)
                              : std::vector<std::size_t>();
 }
 
@@ -600,7 +558,7 @@ void FindJoints(const std::vector<RowGroups>& groups, const TimeGuess& time,
               ChooseJoints({.columns = evidence,
                             .families = families,
                             .angle_unit = angle_unit,
-                            .format = FormatOfProfile(inspection.format),
+                            .format = std::string(NameInProfiles(inspection.format)),
                             .duration_s = inspection.time.duration_s,
                             .is_translated = !InEnglish(inspection.layout.names).empty()},
                            options.joints, map, profiles),
@@ -690,7 +648,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   const TimeGuess time = map ? TimeOfMap(map->time) : TimeOf(inspection.layout, profiles, options);
   std::vector<RowGroups> groups = GroupsToWatch(inspection);
   SenderWatch senders(inspection.columns.size());
-  MidnightClock midnight(MappingsOf(time));
+  MidnightClock midnight(time.parts);
   const TableStatistics statistics =
       ReadTable(time, inspection.columns, inspection.hand, reader, midnight, groups, senders);
   inspection.is_whole = *is_whole;
