@@ -90,6 +90,12 @@ ChainFit FitChain(std::span<const double> command_deg, std::span<const double> a
                   double rate_hz, int parts = 1, const std::optional<CommandClock>& frames = {},
                   ChainDetail detail = ChainDetail::kAll);
 
+/// The delay alone; NaN if it is not known.
+inline double FitDelay_ms(std::span<const double> command_deg, std::span<const double> angle_deg,
+                          double rate_hz) {
+  return FitChain(command_deg, angle_deg, rate_hz, 1, {}, ChainDetail::kDelay).delay_ms.value;
+}
+
 /// Facts of a chain that a log determines, beside the estimates themselves.
 struct KnownOfLog {
   double travel_deg;       // of the angle, by the command's travel and the gain

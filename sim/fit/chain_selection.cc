@@ -98,12 +98,11 @@ Candidate LimitCandidate(const PartRows& rows, const FittedFamily& fit, bool in_
       (start[candidate.family.At(kGain)] - gain) * 0.5 * (least_in + most_in);
   start[candidate.family.At(kGain)] = gain;
   if (fit.family.Has(kPlay)) start[candidate.family.At(kPlay)] *= 0.2;
-  for (const double share : {0.4}) {
-    start[candidate.family.At(kDeadTime)] = share * delay_s;
-    start[candidate.family.At(kLag)] = share * delay_s;
-    start[candidate.family.At(kInertia)] = std::pow(share * delay_s / 1.6, 2);
-    candidate.starts.push_back(start);
-  }
+  constexpr double kShare = 0.4;
+  start[candidate.family.At(kDeadTime)] = kShare * delay_s;
+  start[candidate.family.At(kLag)] = kShare * delay_s;
+  start[candidate.family.At(kInertia)] = std::pow(kShare * delay_s / 1.6, 2);
+  candidate.starts.push_back(start);
   return candidate;
 }
 

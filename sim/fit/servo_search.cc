@@ -92,9 +92,8 @@ double MeanSquareMiss(const ChainLog& log, const ChainLog& answer, double dead_t
 std::vector<double> DelaysOf(const ChainLog& log) {
   std::vector<double> delay_ms;
   for (std::size_t i = 0; i < log.parts.size(); ++i) {
-    delay_ms.push_back(FitChain(ColumnOf(log.command_deg, i), ColumnOf(log.angle_deg, i),
-                                log.rate_hz, 1, {}, ChainDetail::kDelay)
-                           .delay_ms.value);
+    delay_ms.push_back(
+        FitDelay_ms(ColumnOf(log.command_deg, i), ColumnOf(log.angle_deg, i), log.rate_hz));
   }
   return delay_ms;
 }

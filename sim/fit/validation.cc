@@ -105,18 +105,13 @@ struct Sums {
   double most_travel_deg = 0.0;
 };
 
-double DelayOf(std::span<const double> command_deg, std::span<const double> angle_deg,
-               double rate_hz) {
-  return FitChain(command_deg, angle_deg, rate_hz, 1, {}, ChainDetail::kDelay).delay_ms.value;
-}
-
 /// Adds one episode. Preconditions: curve signals of equal length.
 void AddEpisode(const ValidatedCurve& curve, Sums& sums) {
   const auto first = static_cast<std::size_t>(kNotCompared_s * curve.rate_hz);
   const std::size_t rows = curve.command_deg.size();
   if (rows < first + 2) return;
-  const double measured_ms = DelayOf(curve.command_deg, curve.measured_deg, curve.rate_hz);
-  const double simulated_ms = DelayOf(curve.command_deg, curve.simulated_deg, curve.rate_hz);
+  const double measured_ms = FitDelay_ms(curve.command_deg, curve.measured_deg, curve.rate_hz);
+  const double simulated_ms = FitDelay_ms(curve.command_deg, curve.simulated_deg, curve.rate_hz);
   if (!std::isfinite(measured_ms) || !std::isfinite(simulated_ms)) return;
   sums.measured_delay_ms.push_back(measured_ms);
   sums.simulated_delay_ms.push_back(simulated_ms);

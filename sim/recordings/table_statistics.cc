@@ -79,8 +79,8 @@ TableStatistics::TableStatistics(std::size_t columns)
     : columns_(columns), curvatures_(columns), steps_(columns) {}
 
 void TableStatistics::Look(Watch& watch, double value) {
-  if (watch.good_rows == 0) {
-    watch.low = watch.high = value;
+  if (watch.seen.good_rows == 0) {
+    watch.seen.low = watch.seen.high = value;
   } else {
     const double change = value - watch.before;
     if (change == 0.0) {
@@ -89,20 +89,20 @@ void TableStatistics::Look(Watch& watch, double value) {
     } else {
       watch.run = 0;
       const double step = std::abs(change);
-      if (watch.step == 0.0 || step < watch.step) watch.step = step;
+      if (watch.seen.step == 0.0 || step < watch.seen.step) watch.seen.step = step;
       watch.falls += change < 0.0 ? 1 : 0;
       watch.ones += change == 1.0 ? 1 : 0;
-      watch.turns += std::abs(step - kTurn_deg) < kTurnTolerance_deg ? 1 : 0;
+      watch.seen.turns += std::abs(step - kTurn_deg) < kTurnTolerance_deg ? 1 : 0;
     }
   }
-  if (value < watch.low) watch.low = value, watch.at_low = 0;
-  if (value > watch.high) watch.high = value, watch.at_high = 0;
-  watch.at_low += value == watch.low ? 1 : 0;
-  watch.at_high += value == watch.high ? 1 : 0;
-  watch.is_whole = watch.is_whole && value == std::floor(value);
+  if (value < watch.seen.low) watch.seen.low = value, watch.at_low = 0;
+  if (value > watch.seen.high) watch.seen.high = value, watch.at_high = 0;
+  watch.at_low += value == watch.seen.low ? 1 : 0;
+  watch.at_high += value == watch.seen.high ? 1 : 0;
+  watch.seen.is_whole = watch.seen.is_whole && value == std::floor(value);
   watch.before_that = watch.before;
   watch.before = value;
-  ++watch.good_rows;
+  ++watch.seen.good_rows;
 }
 
 void TableStatistics::AddTime(double time_s) {
@@ -157,8 +157,9 @@ void TableStatistics::Add(double time_s, std::span<const double> values) {
     Watch& watch = columns_[c];
     curvatures_[c] = steps_[c] = controller::kNaN;
     if (!(std::abs(values[c]) <= kLargest)) continue;
-    if (watch.good_rows >= 1) steps_[c] = values[c] - watch.before;
-    if (watch.good_rows >= 2) curvatures_[c] = values[c] - 2.0 * watch.before + watch.before_that;
+    if (watch.seen.good_rows >= 1) steps_[c] = values[c] - watch.before;
+    if (watch.seen.good_rows >= 2)
+      curvatures_[c] = values[c] - 2.0 * watch.before + watch.before_that;
     Look(watch, values[c]);
   }
   if (rows_++ % every_ == 0) Keep(values);
@@ -173,24 +174,18 @@ std::vector<double> TableStatistics::KeptValues(std::size_t column) const {
 
 ColumnStatistics TableStatistics::Column(std::size_t column) const {
   const Watch& watch = columns_.at(column);
-  ColumnStatistics statistics;
-  statistics.good_rows = watch.good_rows;
-  statistics.low = watch.low;
-  statistics.high = watch.high;
-  statistics.step = watch.step;
-  statistics.is_whole = watch.is_whole;
-  const double steps = static_cast<double>(std::max<std::size_t>(watch.good_rows, 2) - 1);
+  ColumnStatistics statistics = watch.seen;
+  const double steps = static_cast<double>(std::max<std::size_t>(statistics.good_rows, 2) - 1);
   statistics.falling_share = static_cast<double>(watch.falls) / steps;
   statistics.counting_share = static_cast<double>(watch.still_rows + watch.ones) / steps;
-  statistics.turns = watch.turns;
   statistics.longest_still_rows = watch.longest_run + 1;
   std::vector<double> values = KeptValues(column);
   std::erase_if(values, [](double value) { return !(std::abs(value) <= kLargest); });
   constexpr double kRareShare = 0.005;
-  statistics.usual_low = values.empty() ? watch.low : Quantile(values, kRareShare);
-  statistics.usual_high = values.empty() ? watch.high : Quantile(values, 1.0 - kRareShare);
+  statistics.usual_low = values.empty() ? statistics.low : Quantile(values, kRareShare);
+  statistics.usual_high = values.empty() ? statistics.high : Quantile(values, 1.0 - kRareShare);
   statistics.commonest_share = CommonestShare(std::move(values));
-  const double rows = static_cast<double>(std::max<std::size_t>(watch.good_rows, 1));
+  const double rows = static_cast<double>(std::max<std::size_t>(statistics.good_rows, 1));
   statistics.still_share = static_cast<double>(watch.still_rows) / rows;
   // The lowest value of noise is rare. The value of a saturated sensor is frequent, also in a short
   // table, of which a single row is a large share.
@@ -198,7 +193,8 @@ ColumnStatistics TableStatistics::Column(std::size_t column) const {
   constexpr std::size_t kFewestAtEnd = 5;
   for (const std::size_t at_end : {watch.at_low, watch.at_high}) {
     const double share = static_cast<double>(at_end) / rows;
-    if (at_end < kFewestAtEnd || share < kCommonShare || !(watch.low < watch.high)) continue;
+    if (at_end < kFewestAtEnd || share < kCommonShare || !(statistics.low < statistics.high))
+      continue;
     statistics.clipped_share += share;
   }
   const auto distances = [&](const std::vector<double>& kept) {

@@ -64,13 +64,11 @@ class TableStatistics {
 
  private:
   struct Watch {
-    std::size_t good_rows = 0, still_rows = 0, run = 0, longest_run = 0;
-    double low = 0.0, high = 0.0;
+    ColumnStatistics seen;  // as far as one pass tells it
+    std::size_t still_rows = 0, run = 0, longest_run = 0;
     std::size_t at_low = 0, at_high = 0;
     double before = 0.0, before_that = 0.0;
-    double step = 0.0;
-    std::size_t falls = 0, ones = 0, turns = 0;
-    bool is_whole = true;
+    std::size_t falls = 0, ones = 0;
   };
   void AddTime(double time_s);
   void Look(Watch& watch, double value);

@@ -78,13 +78,25 @@ std::string CsvReader::TableCell(std::size_t column) const {
 
 double CsvReader::TableNumber(std::size_t column) {
   const TableColumn& is = table_->columns[column];
-  const Meaning meaning = meanings_[column];
-  if (meaning == Meaning::kIgnored) return kMissing;
-  if (meaning == Meaning::kText) return TextNumber(TableCell(column));
-  if (meaning == Meaning::kKept) return is_kept_(TableCell(column)) ? 1.0 : 0.0;
-  if (!is.texts.empty()) return Number(is.texts[rows_read_ - 1], column + 1);
-  const double value = is.numbers[rows_read_ - 1];
-  return std::isfinite(value) ? value : Number(TableCell(column), column + 1);
+  const bool is_number =
+      meanings_[column] == Meaning::kNumber || meanings_[column] == Meaning::kTime;
+  if (is_number && is.texts.empty() && std::isfinite(is.numbers[rows_read_ - 1])) {
+    return is.numbers[rows_read_ - 1];
+  }
+  return meanings_[column] == Meaning::kIgnored ? kMissing : ValueOf(TableCell(column), column);
+}
+
+double CsvReader::ValueOf(std::string_view cell, std::size_t column) {
+  switch (meanings_[column]) {
+    case Meaning::kIgnored:
+      return kMissing;
+    case Meaning::kText:
+      return TextNumber(cell);
+    case Meaning::kKept:
+      return is_kept_(Unquoted(cell)) ? 1.0 : 0.0;
+    default:
+      return Number(cell, column + 1);
+  }
 }
 
 void CsvReader::Fail(std::size_t column, const std::string& problem) const {
@@ -279,10 +291,7 @@ void CsvReader::ParseRow(std::string_view line, std::span<double> values) {
     // Everything that is not a plain number between separators: rare, so clarity over speed.
     const std::string_view cell = TakeCell(rest, separator_);
     more = separator_ == ' ' ? !rest.empty() : cell.data() + cell.size() != end;
-    values[column] = meanings_[column] == Meaning::kIgnored ? kMissing
-                     : meanings_[column] == Meaning::kText  ? TextNumber(cell)
-                     : meanings_[column] == Meaning::kKept  ? (is_kept_(Unquoted(cell)) ? 1.0 : 0.0)
-                                                            : Number(cell, column + 1);
+    values[column] = ValueOf(cell, column);
   }
   if (column < column_count_) {
     Problem(RecordingProblem::kTruncatedRow, column,

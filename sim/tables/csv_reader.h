@@ -113,6 +113,7 @@ class CsvReader {
   std::vector<std::string> CellsOf(std::string_view line) const;
   void ParseRow(std::string_view line, std::span<double> values);
   double TextNumber(std::string_view cell);
+  double ValueOf(std::string_view cell, std::size_t column);  // by its meaning
   bool ReadRow(std::span<double> values);
   void Problem(RecordingProblem problem, std::size_t column, const std::string& message);
 

@@ -123,55 +123,35 @@ class MessageRows::Cdr {
     return text;
   }
 
-  double Number(FieldKind kind) {
-    switch (kind) {
-      case FieldKind::kBool:
-      case FieldKind::kUint8:
-        return Next<std::uint8_t>();
-      case FieldKind::kInt8:
-        return Next<std::int8_t>();
-      case FieldKind::kInt16:
-        return Next<std::int16_t>();
-      case FieldKind::kUint16:
-        return Next<std::uint16_t>();
-      case FieldKind::kInt32:
-        return Next<std::int32_t>();
-      case FieldKind::kUint32:
-        return Next<std::uint32_t>();
-      case FieldKind::kInt64:
-        return static_cast<double>(Next<std::int64_t>());
-      case FieldKind::kUint64:
-        return static_cast<double>(Next<std::uint64_t>());
-      case FieldKind::kFloat32:
-        return Next<float>();
-      case FieldKind::kFloat64:
-        return Next<double>();
-      default: {  // a time or a duration
-        const auto seconds = Next<std::int32_t>();
-        return SecondsOf(seconds, Next<std::uint32_t>());
-      }
-    }
+  /// Calls `use` with a value of the type of a number.
+  template <class Use>
+  static auto OfType(FieldKind kind, const Use& use) {
+    using enum FieldKind;
+    if (kind == kInt8) return use(std::int8_t{});
+    if (kind == kInt16) return use(std::int16_t{});
+    if (kind == kUint16) return use(std::uint16_t{});
+    if (kind == kInt32) return use(std::int32_t{});
+    if (kind == kUint32) return use(std::uint32_t{});
+    if (kind == kInt64) return use(std::int64_t{});
+    if (kind == kUint64) return use(std::uint64_t{});
+    if (kind == kFloat32) return use(float{});
+    if (kind == kFloat64) return use(double{});
+    return use(std::uint8_t{});  // kBool, too
   }
 
-  static std::size_t SizeOf(FieldKind kind) {
-    switch (kind) {
-      case FieldKind::kInt16:
-      case FieldKind::kUint16:
-        return 2;
-      case FieldKind::kInt32:
-      case FieldKind::kUint32:
-      case FieldKind::kFloat32:
-      case FieldKind::kText:
-        return 4;
-      case FieldKind::kInt64:
-      case FieldKind::kUint64:
-      case FieldKind::kFloat64:
-      case FieldKind::kTime:
-      case FieldKind::kDuration:
-        return 8;
-      default:
-        return 1;
+  double Number(FieldKind kind) {
+    if (kind == FieldKind::kTime || kind == FieldKind::kDuration) {
+      const auto seconds = Next<std::int32_t>();
+      return SecondsOf(seconds, Next<std::uint32_t>());
     }
+    return OfType(kind, [this](auto zero) { return static_cast<double>(Next<decltype(zero)>()); });
+  }
+
+  /// Least bytes of a value.
+  static std::size_t SizeOf(FieldKind kind) {
+    if (kind == FieldKind::kTime || kind == FieldKind::kDuration) return 8;
+    if (kind == FieldKind::kText) return 4;
+    return OfType(kind, [](auto zero) { return sizeof zero; });
   }
 
   void ReadMessage(const MessageType& type, Node& node, bool is_left_out, int depth) {

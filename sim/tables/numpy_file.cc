@@ -43,19 +43,10 @@ using Reader = void (*)(const char* place, bool swapped, std::span<double> value
 
 template <class Number>
 void ReadValues(const char* place, bool swapped, std::span<double> values) {
-  if (!swapped) {
-    for (double& value : values) {
-      Number number;
-      std::memcpy(&number, place, sizeof number);
-      value = static_cast<double>(number);
-      place += sizeof number;
-    }
-    return;
-  }
   for (double& value : values) {
     std::array<char, sizeof(Number)> bytes;
     std::copy_n(place, bytes.size(), bytes.begin());
-    std::ranges::reverse(bytes);
+    if (swapped) std::ranges::reverse(bytes);
     value = static_cast<double>(std::bit_cast<Number>(bytes));
     place += sizeof(Number);
   }

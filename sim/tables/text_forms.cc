@@ -14,6 +14,7 @@
 
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
+#include "sim/tables/csv_reader.h"
 #include "sim/tables/joint_unit.h"
 #include "sim/tables/opensim_files.h"
 #include "sim/tables/source_bytes.h"
@@ -524,11 +525,7 @@ class PlainText {
 
 std::vector<std::string> LinesOfHead(std::string_view head) {
   std::vector<std::string> found;
-  TextLines lines("", [rest = head](char* buffer, std::size_t size) mutable {
-    const std::size_t count = rest.copy(buffer, size);
-    rest.remove_prefix(count);
-    return count;
-  });
+  TextLines lines("", TextSource(head));
   for (std::string line; found.size() < kHeadLines && NextRecord(lines, line);) {
     if (!Trimmed(line).empty()) found.push_back(line);
   }

@@ -167,10 +167,6 @@ MatrixXd SmoothMotion(FrameProblem& problem, const std::vector<const FingertipFr
   return angles;
 }
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 constexpr int kDigitCount = HandKinematics::kFingers;
 constexpr int kThumbDigit = HandKinematics::kThumb;
 

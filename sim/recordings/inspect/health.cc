@@ -163,17 +163,24 @@ bool IsOnlyNoise(const InspectedColumn& column) {
          RangeOverNoise(is) < kLeastRangeOverNoise;
 }
 
+bool NeedsTwoPoints(RawUnit unit) {
+  return unit == RawUnit::kCounts || unit == RawUnit::kVolts || unit == RawUnit::kUnknown;
+}
+
+bool TakesRangeOfFile(const ColumnMapping& mapping) {
+  return mapping.unit == RecordedUnit::kCounts && !mapping.points;
+}
+
+bool TakesRangeOfFile(const Inspection& inspection, const InspectedColumn& column) {
+  return column.mappings.empty() ? NeedsTwoPoints(inspection.unit)
+                                 : TakesRangeOfFile(column.mappings.front());
+}
+
 double DegPerUnitOf(const Inspection& inspection, const InspectedColumn& column) {
   if (column.channel.empty()) return 0.0;
   const Channel& joint = KnownChannels()[ChannelIndex(column.channel)];
-  const bool takes_range_of_file = column.mappings.empty()
-                                       ? inspection.unit == RawUnit::kCounts ||
-                                             inspection.unit == RawUnit::kVolts ||
-                                             inspection.unit == RawUnit::kUnknown
-                                       : column.mappings.front().unit == RecordedUnit::kCounts &&
-                                             !column.mappings.front().points;
   const ColumnStatistics& is = column.statistics;
-  if (takes_range_of_file) {
+  if (TakesRangeOfFile(inspection, column)) {
     return (joint.max_deg - LowDegOf(joint)) / std::max(is.usual_high - is.usual_low, 1e-9);
   }
   if (!column.mappings.empty()) {

@@ -27,6 +27,14 @@ double RangeOverNoise(const ColumnStatistics& statistics);
 /// and its range is below ten times its noise. White noise alone has a range of about six.
 bool IsOnlyNoise(const InspectedColumn& column);
 
+/// True for counts, volts and unknown units. The lowest and highest values of the recording then
+/// stand for the ends of the joint's range, or of the part that a hand uses.
+bool NeedsTwoPoints(RawUnit unit);
+/// True for counts whose range a profile does not know: then it is that of the file.
+bool TakesRangeOfFile(const ColumnMapping& mapping);
+/// True if either holds for a column.
+bool TakesRangeOfFile(const Inspection& inspection, const InspectedColumn& column);
+
 /// Degrees of its joint per unit of a sensor; 0 if it drives none.
 double DegPerUnitOf(const Inspection& inspection, const InspectedColumn& column);
 

@@ -33,9 +33,6 @@ std::string MeaningOf(const InspectedColumn& column) {
 }
 
 ResultRow RowOf(const InspectedColumn& column, std::size_t number) {
-  const auto text_if_any = [](const std::string& text) {
-    return text.empty() ? ResultCell() : ResultCell(text);
-  };
   const auto shown = [](double value, std::string text) {
     return ResultCell({value}, std::move(text));
   };
@@ -44,8 +41,8 @@ ResultRow RowOf(const InspectedColumn& column, std::size_t number) {
   ResultRow row = {ResultCell::Text(fmt::to_string(number)),
                    ResultCell::Text(OneLine(column.name, 20)),
                    ResultCell(OneLine(column.name)),
-                   text_if_any(column.time_unit),
-                   text_if_any(IsMapped(column) ? column.channel : ""),
+                   ResultCell::IfAny(column.time_unit),
+                   ResultCell::IfAny(IsMapped(column) ? column.channel : ""),
                    ResultCell::Text(MeaningOf(column))};
   if (column.kind == CellKind::kNumber && is.good_rows > 0) {
     row.insert(row.end(),
@@ -219,8 +216,8 @@ ResultTable TopicsTable(const std::vector<ListedTopic>& topics) {
          ResultCell({static_cast<std::int64_t>(topic.messages)}, fmt::to_string(topic.messages)),
          topic.rate_hz > 0.0 ? ResultCell({topic.rate_hz}, fmt::format("{:.4g}", topic.rate_hz))
                              : ResultCell(),
-         ResultCell::Text(use), topic.problem.empty() ? ResultCell() : ResultCell(topic.problem),
-         ResultCell(topic.is_taken), if_taken(topic.has_stamps), if_taken(topic.is_cut)});
+         ResultCell::Text(use), ResultCell::IfAny(topic.problem), ResultCell(topic.is_taken),
+         if_taken(topic.has_stamps), if_taken(topic.is_cut)});
   }
   return table;
 }

@@ -10,7 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
-#include "sim/recordings/column_scale.h"
+#include "sim/recordings/inspect/health.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -24,12 +24,6 @@ std::string ColumnText(const Inspection& inspection, std::size_t column) {
   const bool is_only = std::ranges::count(inspection.layout.names, name) == 1;
   if (inspection.layout.has_header && is_plain && is_only) return name;
   return std::to_string(column + 1);
-}
-
-/// True for counts, volts and unknown units. The lowest and highest values of the recording then
-/// stand for the ends of the joint's range, or of the part that a hand uses.
-bool NeedsTwoPoints(RawUnit unit) {
-  return unit == RawUnit::kCounts || unit == RawUnit::kVolts || unit == RawUnit::kUnknown;
 }
 
 /// Two values, with as many digits as tell them apart.
@@ -60,11 +54,6 @@ std::string AngleCells(const Inspection& inspection, const InspectedColumn& colu
       "{},,{},{}",
       NameOf(inspection.unit == RawUnit::kUnknown ? RawUnit::kCounts : inspection.unit),
       TwoValues(low, high), ends_deg);
-}
-
-/// True for counts whose range a profile does not know: then it is that of the file.
-bool TakesRangeOfFile(const ColumnMapping& mapping) {
-  return mapping.unit == RecordedUnit::kCounts && !mapping.points;
 }
 
 /// AngleCells() of a row of a profile.
@@ -232,18 +221,8 @@ FilterSettings SettingsInCounts(const Inspection& inspection, double glove_hz) {
   for (const std::size_t c : inspection.MappedColumns()) {
     const ColumnStatistics& column = inspection.columns[c].statistics;
     const Channel& joint = KnownChannels()[ChannelIndex(inspection.columns[c].channel)];
-    double per_unit = kCountsPerRange / (joint.max_deg - joint.min_deg);
-    per_unit *= inspection.DegPerUnit();
-    const std::vector<ColumnMapping>& mappings = inspection.columns[c].mappings;
-    if (!mappings.empty() && !TakesRangeOfFile(mappings.front())) {
-      per_unit = kCountsPerRange / (joint.max_deg - joint.min_deg) *
-                 std::abs(ScaleOf(mappings.front(), {}).factor) * kDegPerRad;
-    } else if (NeedsTwoPoints(inspection.unit) || inspection.unit == RawUnit::kShare) {
-      const double range = inspection.unit == RawUnit::kShare
-                               ? (inspection.unit_high > 1.5 ? 100.0 : 1.0)
-                               : column.usual_high - column.usual_low;
-      per_unit *= (joint.max_deg - LowDegOf(joint)) / std::max(range, 1e-9);
-    }
+    const double per_unit = kCountsPerRange / (joint.max_deg - joint.min_deg) *
+                            DegPerUnitOf(inspection, inspection.columns[c]);
     const double noise = std::max(column.noise, column.step / std::sqrt(12.0)) * per_unit;
     noises.push_back({noise * noise, HasOwnCounts(inspection) ? per_unit : 1.0});
   }
@@ -353,8 +332,7 @@ std::string AssumedOf(const Inspection& inspection, const InspectedColumn& colum
       column.basis == JointBasis::kAssumed ||
       (is_mapped && column.mappings.front().assumed.find("joint") != std::string::npos);
   add(is_joint_assumed && !column.channel.empty(), "joint");
-  const bool is_range =
-      is_mapped ? TakesRangeOfFile(column.mappings.front()) : NeedsTwoPoints(inspection.unit);
+  const bool is_range = TakesRangeOfFile(inspection, column);
   if (is_mapped) {
     const std::string& given = column.mappings.front().assumed;
     for (const char* word : {"unit", "sign"}) add(given.find(word) != given.npos, word);

@@ -259,11 +259,6 @@ bool AreUnitQuaternions(const std::vector<HandRotations>& frames) {
 
 AnglesOfBones AnglesOf(const std::vector<HandRotations>& frames, const KeypointColumns& columns) {
   constexpr std::array<std::string_view, 2> kThumbChannels = {"thumb_mcp", "thumb_ip"};
-  constexpr std::array<std::array<std::string_view, 3>, 4> kFingerChannels = {
-      {{"index_mcp", "index_pip", "index_dip"},
-       {"middle_mcp", "middle_pip", "middle_dip"},
-       {"ring_mcp", "ring_pip", "ring_dip"},
-       {"little_mcp", "little_pip", "little_dip"}}};
   RotationColumns rotations = columns.rotations.value();
   const bool is_by_name = rotations.space != Space::kUnknown;
   if (!is_by_name && !rotations.has_openxr_names) {

@@ -405,11 +405,6 @@ bool LooksLikeHand(const std::vector<HandPoints>& points) {
 KeypointAngles AnglesOf(const PlacedHand& hand) {
   constexpr std::array<std::string_view, 4> kThumbChannels = {"thumb_rotation", "thumb_abduction",
                                                               "thumb_mcp", "thumb_ip"};
-  constexpr std::array<std::array<std::string_view, 3>, 4> kFingerChannels = {
-      {{"index_mcp", "index_pip", "index_dip"},
-       {"middle_mcp", "middle_pip", "middle_dip"},
-       {"ring_mcp", "ring_pip", "ring_dip"},
-       {"little_mcp", "little_pip", "little_dip"}}};
   constexpr Eigen::Index kFirstOfFingers = kThumbChannels.size();
   KeypointAngles angles;
   angles.channels.assign(kThumbChannels.begin(), kThumbChannels.end());

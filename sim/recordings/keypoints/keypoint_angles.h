@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -50,6 +51,13 @@ PlacedHand PlaceHand(std::vector<HandPoints> points, double unit_m);
 /// within 10 %, their shares of a finger are those of a hand, and it has the size of a hand in m,
 /// cm or mm.
 bool LooksLikeHand(const std::vector<HandPoints>& points);
+
+/// Channels of the joints of the fingers, index to little, from the knuckle on.
+inline constexpr std::array<std::array<std::string_view, 3>, 4> kFingerChannels = {
+    {{"index_mcp", "index_pip", "index_dip"},
+     {"middle_mcp", "middle_pip", "middle_dip"},
+     {"ring_mcp", "ring_pip", "ring_dip"},
+     {"little_mcp", "little_pip", "little_dip"}}};
 
 /// Angles of joints from keypoints, by channel.
 struct KeypointAngles {
