@@ -29,8 +29,8 @@
 #include "sim/settings/yaml_reader.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/file_format.h"
-#include "sim/tables/source_bytes.h"
 #include "sim/tables/text_forms.h"
+#include "sim/tables/text_lines.h"
 #include "sim/trial/held_filter.h"
 
 namespace gauntlet::sim {

@@ -18,7 +18,7 @@
 #include "sim/recordings/inspect/starter_files.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/file_format.h"
-#include "sim/tables/source_bytes.h"
+#include "sim/tables/text_lines.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {

@@ -347,7 +347,6 @@ Json JsonOfFaults(const std::vector<AuditFault>& faults) {
 
 std::string AuditJson(const Audit& audit) {
   Json parts = JsonOf(TableOf(audit, AllParts(audit), true));
-  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
   for (std::size_t i = 0; i < audit.parts.size(); ++i) {
     const AuditedPart& part = audit.parts[i];
     if (part.unit != audit.unit) parts[i] = InUnit(parts[i], audit.unit, part.unit);
@@ -359,11 +358,11 @@ std::string AuditJson(const Audit& audit) {
     for (std::size_t e = 0; e < part.episodes.size(); ++e) {
       const AuditedEpisode& one = part.episodes[e];
       parts[i]["episodes"].push_back({{"episode", audit.episodes[e]},
-                                      {"delay_ms", number(one.delay_ms)},
-                                      {"offset_" + part.unit, number(one.offset)},
-                                      {"error_rms_" + part.unit, number(one.residual)},
-                                      {"from_s", number(one.from_s)},
-                                      {"to_s", number(one.to_s)}});
+                                      {"delay_ms", one.delay_ms},
+                                      {"offset_" + part.unit, one.offset},
+                                      {"error_rms_" + part.unit, one.residual},
+                                      {"from_s", one.from_s},
+                                      {"to_s", one.to_s}});
     }
   }
   const Json json = {{"log", audit.name},

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "controller/calibration/robust_statistics.h"
+#include "sim/base/quantile.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -18,10 +22,7 @@ double SpeedOf(std::span<const double> values, double rate_hz, double quantile) 
   for (std::size_t k = rows; k < values.size(); ++k) {
     speeds.push_back(std::abs(values[k] - values[k - rows]) * rate_hz / static_cast<double>(rows));
   }
-  const auto at = speeds.begin() +
-                  static_cast<std::ptrdiff_t>(quantile * static_cast<double>(speeds.size() - 1));
-  std::ranges::nth_element(speeds, at);
-  return *at;
+  return Quantile(std::move(speeds), quantile);
 }
 
 VectorXd HeldOut(const LeastSquaresFit& fit, const std::vector<WithoutBlock>& without) {
@@ -170,11 +171,8 @@ bool MayBeClaimed(const FittedFamily& fit, int parts) {
 }
 
 double MedianAbsolute(const VectorXd& values) {
-  std::vector<double> sorted(values.size());
-  std::ranges::transform(values, sorted.begin(), [](double value) { return std::abs(value); });
-  const auto middle = sorted.begin() + std::ssize(sorted) / 2;
-  std::ranges::nth_element(sorted, middle);
-  return *middle;
+  const VectorXd sizes = values.cwiseAbs();
+  return controller::MedianOf(std::vector<double>(sizes.begin(), sizes.end()));
 }
 
 }  // namespace

@@ -283,17 +283,15 @@ ResultText ChainAnswer(const ChainResult& result, const IdentifiedChain& chain,
 
 std::string ChainJson(const ChainResult& result, const Verdict& verdict) {
   const ChainLog& log = result.log();
+  std::int64_t samples = 0;
+  for (const ChainLog& episode : result.episodes) samples += episode.command_deg.rows();
   Json json = {{"log", log.name},
-               {"samples", log.command_deg.rows()},
+               {"samples", samples},
                {"rate_hz", log.rate_hz},
                {"angle_unit", log.unit_known ? "deg" : "unknown"},
                {"verdict", JsonOf(verdict)},
                {"parts", JsonOf(ChainTable(result))}};
   if (result.episodes.size() > 1) {
-    json["samples"] = 0;
-    for (const ChainLog& episode : result.episodes) {
-      json["samples"] = json["samples"].get<std::int64_t>() + episode.command_deg.rows();
-    }
     json["episodes"] = {{"fitted", result.fitted},
                         {"held_out", result.judged},
                         {"left_out", result.left_out},

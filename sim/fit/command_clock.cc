@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "controller/assert.h"
+#include "controller/calibration/robust_statistics.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -288,9 +289,7 @@ std::optional<CommandClock> StepsOf(std::span<const double> changes) {
   std::vector<double> sizes;
   for (const Change& change : steps) sizes.push_back(change.size);
   if (sizes.empty() || std::ssize(sizes) > kMostChanging * std::ssize(changes)) return std::nullopt;
-  const auto middle = sizes.begin() + std::ssize(sizes) / 2;
-  std::ranges::nth_element(sizes, middle);
-  if (*middle < kLeastStep) return std::nullopt;
+  if (controller::MedianOf(std::move(sizes)) < kLeastStep) return std::nullopt;
   if (steps.size() >= kFewSteps) {
     const auto clock = BestClock(steps, RowsOf(steps) / static_cast<double>(steps.size() - 1));
     if (clock && 0.0 <= clock->open_rows && clock->open_rows < kKnown_rows) return clock;

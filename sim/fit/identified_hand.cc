@@ -20,9 +20,9 @@ std::vector<double> ListOf(const ChainEstimate& estimate) {
   return list;
 }
 
-/// `member` of every part; the mean of the others for a part without a value.
-std::vector<double> ValuesOf(const std::vector<IdentifiedPart>& parts,
-                             std::vector<double> IdentifiedPart::*member, double& mean) {
+/// Mean of `member` over the parts that have a value; 0 if none has.
+double MeanOf(const std::vector<IdentifiedPart>& parts,
+              std::vector<double> IdentifiedPart::*member) {
   double sum = 0.0;
   int count = 0;
   for (const IdentifiedPart& part : parts) {
@@ -30,23 +30,22 @@ std::vector<double> ValuesOf(const std::vector<IdentifiedPart>& parts,
     sum += (part.*member).front();
     ++count;
   }
-  mean = count > 0 ? sum / count : 0.0;
-  mean = std::round(mean * 1e3) / 1e3;
+  return count > 0 ? std::round(sum / count * 1e3) / 1e3 : 0.0;
+}
+
+/// `member` of every part; the mean of the others for a part without a value. Empty if no part has
+/// one.
+std::vector<double> ValuesOf(const std::vector<IdentifiedPart>& parts,
+                             std::vector<double> IdentifiedPart::*member) {
   std::vector<double> values;
+  if (std::ranges::all_of(parts, [&](const auto& part) { return (part.*member).empty(); })) {
+    return values;
+  }
+  const double mean = MeanOf(parts, member);
   for (const IdentifiedPart& part : parts) {
     values.push_back((part.*member).empty() ? mean : (part.*member).front());
   }
   return values;
-}
-
-/// ValuesOf() the parts, but empty if no part has a value.
-std::vector<double> KnownValuesOf(const std::vector<IdentifiedPart>& parts,
-                                  std::vector<double> IdentifiedPart::*member) {
-  if (std::ranges::all_of(parts, [&](const auto& part) { return (part.*member).empty(); })) {
-    return {};
-  }
-  double mean = 0.0;
-  return ValuesOf(parts, member, mean);
 }
 
 IdentifiedPart PartOf(const ChainLog& log, const ChainFit& fit, const std::string& name) {
@@ -96,18 +95,16 @@ IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<Chain
   for (std::size_t i = 0; i < fits.size(); ++i) {
     chain.parts.push_back(PartOf(log, fits[i], log.parts[i]));
   }
-  double mean_ms = 0.0;
-  ValuesOf(chain.parts, &IdentifiedPart::delay_ms, mean_ms);
-  chain.expected_delay_ms = mean_ms;
-  chain.horizon_ms = KnownValuesOf(chain.parts, &IdentifiedPart::delay_ms);
+  chain.expected_delay_ms = MeanOf(chain.parts, &IdentifiedPart::delay_ms);
+  chain.horizon_ms = ValuesOf(chain.parts, &IdentifiedPart::delay_ms);
   for (double& value : chain.horizon_ms) {
     value = std::round(std::clamp(kHorizonShare * value, 0.0, 1000.0) * 10.0) / 10.0;
   }
-  chain.friction_deg = KnownValuesOf(chain.parts, &IdentifiedPart::hysteresis_deg);
+  chain.friction_deg = ValuesOf(chain.parts, &IdentifiedPart::hysteresis_deg);
   for (double& value : chain.friction_deg) value = std::round(value * 500.0) / 1e3;
-  chain.dead_time_ms = KnownValuesOf(chain.parts, &IdentifiedPart::dead_time_ms);
-  chain.lag_ms = KnownValuesOf(chain.parts, &IdentifiedPart::lag_ms);
-  chain.natural_frequency_hz = KnownValuesOf(chain.parts, &IdentifiedPart::natural_frequency_hz);
+  chain.dead_time_ms = ValuesOf(chain.parts, &IdentifiedPart::dead_time_ms);
+  chain.lag_ms = ValuesOf(chain.parts, &IdentifiedPart::lag_ms);
+  chain.natural_frequency_hz = ValuesOf(chain.parts, &IdentifiedPart::natural_frequency_hz);
   return chain;
 }
 

@@ -1,5 +1,8 @@
 #include "sim/recordings/quantities.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -85,11 +88,7 @@ NameParts PartsOf(const std::string& name) {
   return parts;
 }
 
-std::string TextOf(const Words& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
-  return text;
-}
+std::string TextOf(const Words& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
 /// Marks components of a vector, a quaternion or of roll, pitch and yaw, if the table has the
 /// others.

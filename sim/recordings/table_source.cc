@@ -22,9 +22,9 @@
 #include "sim/tables/message_file.h"
 #include "sim/tables/message_table.h"
 #include "sim/tables/opensim_files.h"
-#include "sim/tables/source_bytes.h"
 #include "sim/tables/table_pipe.h"
 #include "sim/tables/text_forms.h"
+#include "sim/tables/text_lines.h"
 
 namespace gauntlet::sim {
 namespace {

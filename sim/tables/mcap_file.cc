@@ -16,7 +16,7 @@
 #include "sim/base/text.h"
 #include "sim/tables/byte_reader.h"
 #include "sim/tables/checksum.h"
-#include "sim/tables/mcap_format.h"
+#include "sim/tables/mcap_writer.h"
 #include "sim/tables/message_file.h"
 
 namespace gauntlet::sim {

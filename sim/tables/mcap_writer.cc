@@ -10,7 +10,6 @@
 #include "controller/assert.h"
 #include "sim/base/error.h"
 #include "sim/tables/checksum.h"
-#include "sim/tables/mcap_format.h"
 
 namespace gauntlet::sim {
 namespace {

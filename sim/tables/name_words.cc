@@ -1,5 +1,8 @@
 #include "sim/tables/name_words.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -38,6 +41,10 @@ constexpr std::array<Meaning, 4> kArmParts = {{{"wrist", "wrist wr"},
                                                {"shoulder", "shoulder"}}};
 
 constexpr std::array<Meaning, 2> kSides = {{{"left", "left l lh"}, {"right", "right r rh"}}};
+
+std::string Joined(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, "_"));
+}
 
 }  // namespace
 
@@ -112,16 +119,6 @@ std::vector<std::string> WithFingers(std::vector<std::string> names) {
   }
   return names;
 }
-
-namespace {
-
-std::string Joined(const std::vector<std::string>& words) {
-  std::string name;
-  for (const std::string& word : words) name += (name.empty() ? "" : "_") + word;
-  return name;
-}
-
-}  // namespace
 
 std::vector<std::string> WithDigits(std::vector<std::string> names) {
   for (std::string& name : names) {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 
 #include "sim/base/error.h"
@@ -41,21 +42,16 @@ enum Repetition { kRequired = 0, kOptional = 1, kRepeated = 2 };
 enum PageType { kDataPage = 0, kDictionaryPage = 2, kDataPageV2 = 3 };
 enum Encoding { kPlain = 0, kPlainDictionary = 2, kRle = 3, kRleDictionary = 8 };
 
-std::string_view NameOfCodec(std::int64_t codec) {
-  constexpr std::array<std::string_view, 8> kNames = {"none",   "snappy", "gzip", "LZO",
-                                                      "brotli", "LZ4",    "zstd", "LZ4_RAW"};
-  return codec >= 0 && codec < std::ssize(kNames) ? kNames[static_cast<std::size_t>(codec)]
-                                                  : "an unknown one";
+std::string_view NameIn(std::span<const std::string_view> names, std::int64_t number) {
+  return number >= 0 && number < std::ssize(names) ? names[static_cast<std::size_t>(number)]
+                                                   : "an unknown one";
 }
-
-std::string_view NameOfEncoding(std::int64_t encoding) {
-  constexpr std::array<std::string_view, 10> kNames = {
-      "PLAIN",          "GROUP_VAR_INT",       "PLAIN_DICTIONARY",        "RLE",
-      "BIT_PACKED",     "DELTA_BINARY_PACKED", "DELTA_LENGTH_BYTE_ARRAY", "DELTA_BYTE_ARRAY",
-      "RLE_DICTIONARY", "BYTE_STREAM_SPLIT"};
-  return encoding >= 0 && encoding < std::ssize(kNames) ? kNames[static_cast<std::size_t>(encoding)]
-                                                        : "an unknown one";
-}
+constexpr std::array<std::string_view, 8> kCodecs = {"none",   "snappy", "gzip", "LZO",
+                                                     "brotli", "LZ4",    "zstd", "LZ4_RAW"};
+constexpr std::array<std::string_view, 10> kEncodings = {
+    "PLAIN",          "GROUP_VAR_INT",       "PLAIN_DICTIONARY",        "RLE",
+    "BIT_PACKED",     "DELTA_BINARY_PACKED", "DELTA_LENGTH_BYTE_ARRAY", "DELTA_BYTE_ARRAY",
+    "RLE_DICTIONARY", "BYTE_STREAM_SPLIT"};
 
 /// A column of the schema. Levels: how many optional or repeated nodes on its way there are.
 struct Leaf {
@@ -197,7 +193,7 @@ std::string Decompressed(std::string_view bytes, std::int64_t codec, std::size_t
       throw UserError(
           fmt::format("is compressed by {}, which is not read; write it with snappy, "
                       "gzip or zstd",
-                      NameOfCodec(codec)));
+                      NameIn(kCodecs, codec)));
   }
   if (text.size() != size) FailAsDamaged("a page has another size than it says");
   return text;
@@ -373,12 +369,10 @@ class ColumnReader {
     const std::string_view defined_bytes = part(5);
     const std::size_t levels_size = repeated_bytes.size() + defined_bytes.size();
     if (levels_size > size) FailAsDamaged("a page has another size than it says");
-    const auto levels = [&](std::string_view from, unsigned most) {
-      if (most == 0) return std::vector<std::uint32_t>(count);
-      return RunsAndGroups(ByteReader(from), WidthOf(most), count);
-    };
-    const auto repeated = levels(repeated_bytes, static_cast<unsigned>(leaf_.repeated));
-    const auto defined = levels(defined_bytes, leaf_.most_defined);
+    const auto repeated = RunsAndGroups(ByteReader(repeated_bytes),
+                                        WidthOf(static_cast<unsigned>(leaf_.repeated)), count);
+    const auto defined =
+        RunsAndGroups(ByteReader(defined_bytes), WidthOf(leaf_.most_defined), count);
     const bool is_compressed = header.NumberOr(7, 1) != 0;
     const std::string text =
         Decompressed(bytes.rest(), is_compressed ? codec_ : 0, size - levels_size);
@@ -392,7 +386,7 @@ class ColumnReader {
     throw UserError(
         fmt::format("column {} has the encoding {}, which is not read; write it with "
                     "PLAIN or a dictionary",
-                    leaf_.name, NameOfEncoding(encoding)));
+                    leaf_.name, NameIn(kEncodings, encoding)));
   }
 
   std::vector<double> Values(std::string_view bytes, std::int64_t encoding,

@@ -17,7 +17,7 @@
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/joint_unit.h"
 #include "sim/tables/opensim_files.h"
-#include "sim/tables/source_bytes.h"
+#include "sim/tables/text_lines.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {

@@ -9,7 +9,7 @@
 #include "sim/base/text.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/opensim_files.h"
-#include "sim/tables/source_bytes.h"
+#include "sim/tables/text_lines.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {

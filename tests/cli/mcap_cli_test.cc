@@ -18,7 +18,7 @@
 #include "sim/recordings/table_source.h"
 #include "sim/tables/mcap_writer.h"
 #include "sim/tables/message_type.h"
-#include "sim/tables/source_bytes.h"
+#include "sim/tables/text_lines.h"
 #include "tests/support/long_test.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"

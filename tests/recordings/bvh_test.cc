@@ -19,7 +19,7 @@
 #include "sim/recordings/keypoints/keypoint_table.h"
 #include "sim/recordings/table_source.h"
 #include "sim/tables/file_format.h"
-#include "sim/tables/source_bytes.h"
+#include "sim/tables/text_lines.h"
 #include "tests/recordings/posed_hand.h"
 #include "tests/support/program.h"
 #include "tests/support/table_text.h"

@@ -22,7 +22,7 @@
 #include "sim/tables/array_table.h"
 #include "sim/tables/file_format.h"
 #include "sim/tables/json_arrays.h"
-#include "sim/tables/source_bytes.h"
+#include "sim/tables/text_lines.h"
 #include "tests/support/program.h"
 #include "tests/support/table_text.h"
 

@@ -22,7 +22,7 @@
 #include "sim/recordings/keypoints/keypoint_layout.h"
 #include "sim/recordings/table_source.h"
 #include "sim/tables/joint_unit.h"
-#include "sim/tables/source_bytes.h"
+#include "sim/tables/text_lines.h"
 #include "tests/recordings/posed_hand.h"
 #include "tests/support/table_text.h"
 

@@ -28,7 +28,7 @@
 #include "sim/tables/message_file.h"
 #include "sim/tables/message_rows.h"
 #include "sim/tables/message_table.h"
-#include "sim/tables/source_bytes.h"
+#include "sim/tables/text_lines.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 #include "tests/support/table_text.h"

@@ -19,7 +19,7 @@
 #include "sim/recordings/table_source.h"
 #include "sim/tables/array_files.h"
 #include "sim/tables/checksum.h"
-#include "sim/tables/source_bytes.h"
+#include "sim/tables/text_lines.h"
 #include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 #include "tests/support/table_text.h"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "sim/tables/csv_reader.h"
-#include "sim/tables/source_bytes.h"
+#include "sim/tables/text_lines.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "sim/tables/csv_reader.h"
-#include "sim/tables/source_bytes.h"
 #include "sim/tables/table.h"
 #include "sim/tables/table_pipe.h"
+#include "sim/tables/text_lines.h"
 
 namespace gauntlet::test {
 

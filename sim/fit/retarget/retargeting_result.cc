@@ -208,19 +208,19 @@ std::string RetargetedJson(const FingertipMotion& motion, const HandKinematics& 
     joints.rows.push_back(
         {ResultCell(retargeted.joints[i]), ResultCell(retargeted.share_at_limit[i])});
   }
-  Json json = {{"recording", motion.file},
-               {"from", motion.hand},
-               {"hand", hand.file()},
-               {"frames", retargeted.frames},
-               {"frames_missing", std::ranges::count(motion.is_missing, true)},
-               {"overlap_share", nullptr},
-               {"copied_overlap_share", nullptr},
-               {"fastest_deg_s", retargeted.fastest_rad_s * kDegPerRad},
-               {"frames_at_speed_limit", retargeted.frames_at_most_speed},
-               {"digits", JsonOf(DigitTable(retargeted))},
-               {"joints", JsonOf(joints)}};
-  if (hand.has_capsules()) json["overlap_share"] = ShareAbove(retargeted.overlap_m, kDeepOverlap_m);
-  if (std::isfinite(copied_overlap_share)) json["copied_overlap_share"] = copied_overlap_share;
+  const double overlap_share =
+      hand.has_capsules() ? ShareAbove(retargeted.overlap_m, kDeepOverlap_m) : kNaN;
+  const Json json = {{"recording", motion.file},
+                     {"from", motion.hand},
+                     {"hand", hand.file()},
+                     {"frames", retargeted.frames},
+                     {"frames_missing", std::ranges::count(motion.is_missing, true)},
+                     {"overlap_share", overlap_share},
+                     {"copied_overlap_share", copied_overlap_share},
+                     {"fastest_deg_s", retargeted.fastest_rad_s * kDegPerRad},
+                     {"frames_at_speed_limit", retargeted.frames_at_most_speed},
+                     {"digits", JsonOf(DigitTable(retargeted))},
+                     {"joints", JsonOf(joints)}};
   return json.dump(2) + "\n";
 }
 

@@ -21,7 +21,7 @@
 #include "sim/recordings/keypoints/keypoint_layout.h"
 #include "sim/tables/csv_reader.h"
 #include "sim/tables/name_words.h"
-#include "sim/tables/source_bytes.h"
+#include "sim/tables/text_lines.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -17,29 +17,21 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-bool Has(const Words& words, std::string_view word) {
-  return std::ranges::find(words, word) != words.end();
-}
-
 bool IsChannel(const std::string& name) {
   return std::ranges::find(KnownChannels(), name, &Channel::name) != KnownChannels().end();
 }
 
 /// Channel of the wrist, forearm, elbow or shoulder; empty for other names.
 std::string ChannelOfArm(const Words& words) {
-  if (Has(words, "wrist") || Has(words, "wr")) {
-    for (const char* word : {"dev", "deviation", "yaw", "abd", "abduction", "ulnar", "radial"}) {
-      if (Has(words, word)) return "wrist_deviation";
-    }
-    for (const char* word : {"rotation", "pronation", "supination", "roll"}) {
-      if (Has(words, word)) return "forearm_rotation";
-    }
+  if (HasWordOf(words, "wrist wr")) {
+    if (HasWordOf(words, "dev deviation yaw abd abduction ulnar radial")) return "wrist_deviation";
+    if (HasWordOf(words, "rotation pronation supination roll")) return "forearm_rotation";
     return "wrist_flexion";
   }
-  if (Has(words, "forearm") || Has(words, "pronation")) return "forearm_rotation";
+  if (HasWordOf(words, "forearm pronation")) return "forearm_rotation";
   if (HasWordOf(words, "abd abduction adduction pan rotation rot roll yaw horizontal")) return "";
-  if (Has(words, "elbow")) return "elbow_flexion";
-  if (Has(words, "shoulder")) return "shoulder_flexion";
+  if (HasWordOf(words, "elbow")) return "elbow_flexion";
+  if (HasWordOf(words, "shoulder")) return "shoulder_flexion";
   return "";
 }
 

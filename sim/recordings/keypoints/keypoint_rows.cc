@@ -14,7 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/recordings/keypoints/keypoint_table.h"
 #include "sim/tables/name_words.h"
-#include "sim/tables/source_bytes.h"
+#include "sim/tables/text_lines.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {

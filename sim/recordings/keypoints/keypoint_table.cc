@@ -14,8 +14,8 @@
 #include "sim/base/error.h"
 #include "sim/recordings/keypoints/keypoint_angles.h"
 #include "sim/tables/missing.h"
-#include "sim/tables/source_bytes.h"
 #include "sim/tables/table_layout.h"
+#include "sim/tables/text_lines.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
