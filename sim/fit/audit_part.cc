@@ -13,6 +13,7 @@
 #include "controller/calibration/robust_statistics.h"
 #include "sim/base/quantile.h"
 #include "sim/fit/chain_episodes.h"
+#include "sim/fit/chain_log.h"
 #include "sim/tables/name_words.h"
 
 namespace gauntlet::sim {
@@ -20,6 +21,12 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
+
+/// The command with which a FollowFit compares row `n` of a part.
+double DelayedCommand(const FollowRows& rows, Index n, double delay_rows) {
+  const auto count = static_cast<std::size_t>(rows.command.size());
+  return ValueAt({rows.command.data(), count}, static_cast<double>(n) - delay_rows);
+}
 
 constexpr double kStretch_s = 10.0;
 constexpr double kShortest_s = 5.0;   // of a stretch

@@ -36,8 +36,8 @@ void InterpolateLine(const ColumnSeries& series, double start_s, double rate_hz,
 }
 
 /// The value of the nearest row.
-void TakeNearest(const ColumnSeries& series, double start_s, double rate_hz,
-                 Eigen::Ref<Eigen::VectorXd> result) {
+void SetToNearest(const ColumnSeries& series, double start_s, double rate_hz,
+                  Eigen::Ref<Eigen::VectorXd> result) {
   std::size_t nearest = 0;
   const auto distance_s = [&](std::size_t row, double time_s) {
     return std::abs(series.time_s[row] - time_s);
@@ -281,7 +281,7 @@ void ToEvenRows(const ColumnSeries& series, bool is_command, double start_s, dou
   GAUNTLET_ASSERT(!series.value.empty() && rate_hz > 0.0);
   const std::vector<double> changes = is_command ? ChangesOf(series.value) : std::vector<double>();
   const bool has_steps = is_command && (FindCommandClock(changes) || StepsOf(changes));
-  (has_steps ? TakeNearest : InterpolateLine)(series, start_s, rate_hz, result);
+  (has_steps ? SetToNearest : InterpolateLine)(series, start_s, rate_hz, result);
 }
 
 UnitOfLog UnitOf(const ChainColumns& columns, double most, const std::string& wanted) {

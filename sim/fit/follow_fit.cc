@@ -220,14 +220,6 @@ double CommonCorrelation::Largest(double sign) const {
   return most;
 }
 
-double DelayedCommand(const FollowRows& rows, Index n, double delay_rows) {
-  const auto last = static_cast<double>(rows.command.size() - 1);
-  const double place = std::clamp(static_cast<double>(n) - delay_rows, 0.0, last);
-  const auto before = static_cast<Index>(place);
-  const Index behind = std::min(before + 1, rows.command.size() - 1);
-  return std::lerp(rows.command[before], rows.command[behind], place - static_cast<double>(before));
-}
-
 FollowFit FitFollowing(std::span<const FollowRows> parts, double rate_hz) {
   GAUNTLET_ASSERT(rate_hz > 0.0);
   FollowFit fit;

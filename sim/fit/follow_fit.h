@@ -50,10 +50,6 @@ class CommonCorrelation {
   Eigen::VectorXd products_, of_commands_, of_angles_;  // sums by lag
 };
 
-/// The command with which a FollowFit compares row `n` of a part: delayed, linear between rows,
-/// constant beyond the ends.
-double DelayedCommand(const FollowRows& rows, Eigen::Index n, double delay_rows);
-
 /// Mean of several estimates with their standard errors, if the estimated thing itself may differ
 /// from one to the next.
 struct CommonValue {

@@ -1,6 +1,7 @@
 #include "sim/recordings/pchip.h"
 
 #include <cmath>
+#include <vector>
 
 namespace gauntlet::sim {
 namespace {
@@ -13,8 +14,7 @@ double EndSlope(double h0, double h1, double d0, double d1) {
   return slope;
 }
 
-}  // namespace
-
+/// As many slopes as points.
 std::vector<double> PchipSlopes(std::span<const double> time_s, std::span<const double> value) {
   const std::size_t count = value.size();
   std::vector<double> slopes(count, 0.0);
@@ -35,6 +35,8 @@ std::vector<double> PchipSlopes(std::span<const double> time_s, std::span<const 
       EndSlope(step(count - 2), step(count - 3), secant(count - 2), secant(count - 3));
   return slopes;
 }
+
+}  // namespace
 
 void InterpolatePchip(std::span<const double> time_s, std::span<const double> value, double start_s,
                       double rate_hz, std::span<double> result) {

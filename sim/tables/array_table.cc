@@ -207,7 +207,7 @@ bool IsLeftOut(const NamedArray& array) { return !array.left_out.empty(); }
 
 /// Removes the arrays that are left out, and returns a line for each reason: `left out: a, b
 /// (complex numbers)`. Errors: UserError if the chosen one is among them.
-std::vector<std::string> TakeLeftOut(std::vector<NamedArray>& arrays, std::string_view chosen) {
+std::vector<std::string> RemoveLeftOut(std::vector<NamedArray>& arrays, std::string_view chosen) {
   constexpr std::size_t kMostNames = 8;
   std::map<std::string, std::vector<std::string>> names_of;  // by reason
   for (const NamedArray& array : arrays) {
@@ -431,12 +431,12 @@ std::string TextOf(const std::vector<ListedArray>& arrays) {
 }
 
 std::vector<ListedArray> ListArrays(std::vector<NamedArray> arrays, std::string_view chosen) {
-  const std::vector<std::string> left_out = TakeLeftOut(arrays, chosen);
+  const std::vector<std::string> left_out = RemoveLeftOut(arrays, chosen);
   return Listed(arrays, left_out, chosen);
 }
 
 void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen, PipeWriter& pipe) {
-  const std::vector<std::string> left_out = TakeLeftOut(arrays, chosen);
+  const std::vector<std::string> left_out = RemoveLeftOut(arrays, chosen);
   const double rate_hz = RateIn(arrays);
   arrays = SelectedArrays(std::move(arrays), left_out, chosen);
   std::vector<std::string> names;

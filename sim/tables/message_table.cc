@@ -191,8 +191,8 @@ std::vector<double> OrderOf(const std::vector<std::int64_t>& times_ns) {
   if (std::ranges::is_sorted(times_ns)) return order;
   order.resize(times_ns.size());
   std::iota(order.begin(), order.end(), 0.0);
-  std::ranges::stable_sort(
-      order, {}, [&](double place) { return times_ns[static_cast<std::size_t>(place)]; });
+  std::ranges::stable_sort(order, {},
+                           [&](double place) { return times_ns[static_cast<std::size_t>(place)]; });
   return order;
 }
 

@@ -113,12 +113,12 @@ class OctaveReader {
       range.cells_of = std::move(array.cells_of);
       array = std::move(range);
     } else {
-      TakeMatrix();
+      AddMatrix();
     }
     if (!array.left_out.empty() || !array.values.empty()) arrays_.push_back(std::move(array));
   }
 
-  void TakeMatrix() {
+  void AddMatrix() {
     std::vector<double>& values = variable_.values;
     std::vector<std::size_t> shape;
     if (variable_.type == "matrix" || variable_.rows > 0) {

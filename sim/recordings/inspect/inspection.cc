@@ -197,7 +197,7 @@ std::optional<HandRows> HandOf(const Inspection& inspection, const std::string& 
 }
 
 /// Leaves out the rows of the other hand.
-void TakeHand(CsvReader& reader, Inspection& inspection) {
+void KeepRowsOfHand(CsvReader& reader, Inspection& inspection) {
   if (!inspection.hand) return;
   const auto& [column, side] = *inspection.hand;
   KeepHand(*inspection.hand, reader);
@@ -642,7 +642,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   }
   const std::optional<ColumnMap> map = MapOf(inspection, options.map);
   inspection.hand = map ? map->hand : HandOf(inspection, options.joints.hand);
-  TakeHand(reader, inspection);
+  KeepRowsOfHand(reader, inspection);
   const std::vector<Profile> profiles =
       map ? std::vector<Profile>() : AllProfiles(std::filesystem::absolute(file));
   const TimeGuess time = map ? TimeOfMap(map->time) : TimeOf(inspection.layout, profiles, options);
