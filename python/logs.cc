@@ -18,8 +18,7 @@
 #include "sim/recordings/inspect/inspection.h"
 #include "sim/recordings/inspect/inspection_tables.h"
 #include "sim/recordings/inspect/starter_files.h"
-#include "sim/show/pages/audit_page.h"
-#include "sim/show/pages/chain_page.h"
+#include "sim/show/pages/pages.h"
 
 namespace gauntlet::python {
 namespace {

@@ -10,7 +10,7 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/show/pages/audit_page.h"
+#include "sim/show/pages/pages.h"
 
 namespace gauntlet::sim {
 namespace {

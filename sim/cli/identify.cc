@@ -19,8 +19,7 @@
 #include "sim/fit/chain_log.h"
 #include "sim/fit/identified_hand.h"
 #include "sim/fit/validation.h"
-#include "sim/show/pages/chain_page.h"
-#include "sim/show/pages/validation_page.h"
+#include "sim/show/pages/pages.h"
 
 namespace gauntlet::sim {
 namespace {

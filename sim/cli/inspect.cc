@@ -20,7 +20,7 @@
 #include "sim/recordings/inspect/joint_answer.h"
 #include "sim/recordings/inspect/starter_files.h"
 #include "sim/results/table_text.h"
-#include "sim/show/pages/inspection_page.h"
+#include "sim/show/pages/pages.h"
 #include "sim/show/video/png_file.h"
 #include "sim/show/video/recording_picture.h"
 

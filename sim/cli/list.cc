@@ -21,7 +21,7 @@
 #include "sim/results/runs.h"
 #include "sim/score/score.h"
 #include "sim/settings/setting_rows.h"
-#include "sim/show/pages/runs_page.h"
+#include "sim/show/pages/pages.h"
 #include "sim/study/scenario/scenario.h"
 #include "sim/study/scenario/scenario_reader.h"
 #include "sim/trial/link/link_config.h"

@@ -27,7 +27,7 @@
 #include "sim/live/server/live_server.h"
 #include "sim/live/session_recording.h"
 #include "sim/settings/yaml_reader.h"
-#include "sim/show/pages/live_page.h"
+#include "sim/show/pages/pages.h"
 #include "sim/study/scenario/scenario_reader.h"
 #include "sim/trial/external/external_filters.h"
 

@@ -13,7 +13,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/study_command.h"
 #include "sim/show/pages/difference_table.h"
-#include "sim/show/pages/folders_page.h"
+#include "sim/show/pages/pages.h"
 
 namespace gauntlet::sim {
 namespace {

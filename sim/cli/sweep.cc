@@ -27,7 +27,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/results/answer_files.h"
-#include "sim/show/pages/sweep_page.h"
+#include "sim/show/pages/pages.h"
 #include "sim/study/study.h"
 #include "sim/trial/external/external_filters.h"
 

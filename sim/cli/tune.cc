@@ -16,7 +16,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/results/answer_files.h"
 #include "sim/settings/yaml_tree.h"
-#include "sim/show/pages/tune_page.h"
+#include "sim/show/pages/pages.h"
 #include "sim/study/study.h"
 #include "sim/trial/external/external_filters.h"
 

@@ -8,8 +8,10 @@
 #include <ctime>
 #include <fstream>
 
+#include "sim/answers/sweep/response.h"
+#include "sim/answers/sweep/sweep_result.h"
 #include "sim/base/random.h"
-#include "sim/show/pages/sweep_page.h"
+#include "sim/show/pages/pages.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {

@@ -15,7 +15,7 @@
 #include "sim/answers/tune/tune_tables.h"
 #include "sim/show/pages/cells_chart.h"
 #include "sim/show/pages/interval_chart.h"
-#include "sim/show/pages/tune_page.h"
+#include "sim/show/pages/pages.h"
 #include "tests/report/browser.h"
 
 namespace gauntlet::sim {

@@ -1,5 +1,4 @@
 // The page of an inspection: what its pictures mark, and where.
-#include "sim/show/pages/inspection_page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "sim/show/pages/channel_chart.h"
+#include "sim/show/pages/pages.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

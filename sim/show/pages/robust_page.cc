@@ -1,4 +1,4 @@
-#include "sim/show/pages/robust_page.h"
+#include "sim/show/pages/pages.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "sim/show/pages/sweep_page.h"
+#include "sim/show/pages/pages.h"
 
 #include <fmt/format.h>
 
