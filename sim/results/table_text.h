@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -21,6 +23,9 @@ std::string Padded(const std::string& text, std::size_t width, bool right);
 /// Colours of a terminal: what is good, and what to look at.
 std::string Good(const std::string& text);
 std::string Warning(const std::string& text);
+
+/// "1 seed", "8 seeds".
+std::string Counted(std::int64_t count, std::string_view noun);
 
 /// "a", "a and b", "a, b and c"; empty ones are left out.
 std::string Listed(std::vector<std::string> items);

@@ -49,11 +49,21 @@ std::string Constraint::Text() const {
   return fmt::format("{}{}{}", Metrics()[metric].key, at_most ? "<=" : ">=", bound);
 }
 
+std::vector<std::string> TextsOf(const std::vector<Constraint>& bounds) {
+  std::vector<std::string> texts;
+  for (const Constraint& bound : bounds) texts.push_back(bound.Text());
+  return texts;
+}
+
 const std::vector<PrimaryScore>& PrimaryScores() {
   static const std::vector<PrimaryScore> kScores = {{"tracking", MetricIndex("tracking_rmse_deg")},
                                                     {"delay", MetricIndex("delay_ms")},
                                                     {"jitter", MetricIndex("jitter_rms_deg")}};
   return kScores;
+}
+
+bool IsPrimary(std::size_t metric) {
+  return std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) > 0;
 }
 
 Priority ParsePriority(const std::string& text) {

@@ -17,6 +17,8 @@ struct Constraint {
   std::string Text() const;
 };
 
+std::vector<std::string> TextsOf(const std::vector<Constraint>& bounds);
+
 /// Errors: SettingError of `key` for text that is no bound, or names an unknown score.
 Constraint ParseConstraint(const std::string& text, const std::string& key);
 /// The place in Metrics(). Errors: SettingError of `key` for an unknown score.
@@ -29,6 +31,8 @@ struct PrimaryScore {
 };
 /// Tracking error, delay, jitter.
 const std::vector<PrimaryScore>& PrimaryScores();
+/// `metric`: of Metrics().
+bool IsPrimary(std::size_t metric);
 
 /// Need of a user: the score that matters most, and bounds.
 struct Priority {
