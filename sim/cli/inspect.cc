@@ -21,7 +21,7 @@
 #include "sim/recordings/inspect/starter_files.h"
 #include "sim/results/table_text.h"
 #include "sim/show/pages/pages.h"
-#include "sim/show/video/png_file.h"
+#include "sim/show/video/drawing_library.h"
 #include "sim/show/video/recording_picture.h"
 
 namespace gauntlet::sim {

@@ -35,14 +35,28 @@ Vector Times(const Matrix& matrix, const Vector& v) {
   return product;
 }
 
-/// CIE L*a*b* of D65.
-Vector LabOf(unsigned hex, const Matrix& vision) {
+Vector LinearLightOf(unsigned hex) {
   const Color color = Rgb(hex);
   Vector light = {color.red, color.green, color.blue};
   for (double& part : light) {
     part = part <= 0.04045 ? part / 12.92 : std::pow((part + 0.055) / 1.055, 2.4);
   }
-  light = Times(vision, light);
+  return light;
+}
+
+/// Contrast of two colours by WCAG 2.2: (L1 + 0.05) / (L2 + 0.05) of their relative luminances.
+double ContrastOf(unsigned a, unsigned b) {
+  const auto luminance = [](unsigned hex) {
+    const auto [red, green, blue] = LinearLightOf(hex);
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+  };
+  const auto [low, high] = std::minmax({luminance(a), luminance(b)});
+  return (high + 0.05) / (low + 0.05);
+}
+
+/// CIE L*a*b* of D65.
+Vector LabOf(unsigned hex, const Matrix& vision) {
+  Vector light = Times(vision, LinearLightOf(hex));
   for (double& part : light) part = std::clamp(part, 0.0, 1.0);
   constexpr Matrix kXyz = {
       {{0.4124, 0.3576, 0.1805}, {0.2126, 0.7152, 0.0722}, {0.0193, 0.1192, 0.9505}}};

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "sim/show/video/cairo_painter.h"
+#include "sim/show/video/drawing_library.h"
 #include "sim/show/video/recording_picture.h"
 #include "sim/study/scenario/scenario_reader.h"
 #include "sim/tables/time_columns.h"

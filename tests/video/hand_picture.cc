@@ -3,9 +3,9 @@
 #include <memory>
 
 #include "sim/hand/posture.h"
+#include "sim/show/video/drawing_library.h"
 #include "sim/show/video/osmesa_renderer.h"
 #include "sim/show/video/painter.h"
-#include "sim/show/video/png_file.h"
 
 namespace gauntlet::sim {
 

@@ -1,9 +1,8 @@
-#include "sim/show/video/png_file.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "sim/show/video/drawing_library.h"
 #include "tests/video/test_files.h"
 
 namespace gauntlet::sim {

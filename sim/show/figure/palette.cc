@@ -16,16 +16,6 @@ constexpr std::array kRoles = {palette::kGround, palette::kPanel,  palette::kInk
                                palette::kAccent, palette::kGood,   palette::kWarn, palette::kWearer,
                                palette::kGlove,  palette::kCommand};
 
-/// Linear light of a part of a colour.
-double Linear(double part) {
-  return part <= 0.04045 ? part / 12.92 : std::pow((part + 0.055) / 1.055, 2.4);
-}
-
-double LuminanceOf(unsigned hex) {
-  const Color color = Rgb(hex);
-  return 0.2126 * Linear(color.red) + 0.7152 * Linear(color.green) + 0.0722 * Linear(color.blue);
-}
-
 double HueOf(std::size_t series) { return std::fmod(137.5 * static_cast<double>(series), 360.0); }
 
 constexpr double kSaturation = 0.55, kLightness = 0.42;
@@ -75,11 +65,6 @@ std::string PaletteCss() {
   return fmt::format(
       ":root{{{}}}\n@media (prefers-color-scheme:dark){{:root:not([data-paper]){{{}}}}}\n", light,
       dark);
-}
-
-double ContrastOf(unsigned a, unsigned b) {
-  const auto [low, high] = std::minmax({LuminanceOf(a), LuminanceOf(b)});
-  return (high + 0.05) / (low + 0.05);
 }
 
 }  // namespace gauntlet::sim

@@ -85,7 +85,4 @@ std::optional<std::uint8_t> TerminalColourOfSeries(std::size_t series);
 /// (`data-paper` at the root).
 std::string PaletteCss();
 
-/// Contrast of two colours by WCAG 2.2: (L1 + 0.05) / (L2 + 0.05) of their relative luminances.
-double ContrastOf(unsigned a, unsigned b);
-
 }  // namespace gauntlet::sim

@@ -5,21 +5,15 @@
 
 #include "sim/answers/compare/summary.h"
 #include "sim/show/pages/headline.h"
+#include "sim/show/video/frame_clock.h"
 
 namespace gauntlet::sim {
 
 /// comparison.mp4 beside a page.
 struct VideoBeside {
-  /// From `video_s` on the video shows the motion from `from_s` to `to_s`.
-  struct Stretch {
-    double video_s = 0.0;
-    double from_s = 0.0;
-    double to_s = 0.0;
-    double speed = 1.0;
-  };
   bool exists = false;      // it stands, or will stand there
   bool has_poster = false;  // poster.png as well
-  std::vector<Stretch> stretches = {};
+  std::vector<VideoStretch> stretches = {};
 };
 
 /// `report.html`: one page that holds all that it shows but the video, needs no network, and sends

@@ -19,12 +19,10 @@ VideoBeside VideoOfPage(const FinishedStudy& finished, bool is_drawn) {
   std::optional<Excerpt> again;
   if (const auto second = DecisiveSecondOf(finished)) again = SlowMotionOf(*second);
   video.has_poster = is_drawn && again.has_value();
-  for (const VideoStretch& stretch : StretchesOf(
-           !finished.study.scenario.question.empty(), finished.result.first_glove->tick_rate_hz,
-           finished.result.first_reference_rad.rows(), finished.study.scenario.video.frames_per_s,
-           again)) {
-    video.stretches.push_back({stretch.video_s, stretch.from_s, stretch.to_s, stretch.speed});
-  }
+  video.stretches = StretchesOf(!finished.study.scenario.question.empty(),
+                                finished.result.first_glove->tick_rate_hz,
+                                finished.result.first_reference_rad.rows(),
+                                finished.study.scenario.video.frames_per_s, again);
   return video;
 }
 

@@ -1,5 +1,3 @@
-#include "sim/show/video/cairo_painter.h"
-
 #include <cairo.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <numbers>
 
 #include "sim/base/error.h"
+#include "sim/show/video/drawing_library.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -18,8 +17,8 @@ void SetColor(cairo_t* cairo, const Color& color) {
   cairo_set_source_rgba(cairo, color.red, color.green, color.blue, color.alpha);
 }
 
-/// The letters of UTF-8 text, one by one: everything up to the next byte that starts one.
-std::string_view TakeLetter(std::string_view& text) {
+/// Removes the first letter of UTF-8 text and returns it: everything up to the next byte that starts one.
+std::string_view RemoveLetter(std::string_view& text) {
   std::size_t size = 1;
   while (size < text.size() && (static_cast<unsigned char>(text[size]) & 0xc0) == 0x80) ++size;
   const std::string_view letter = text.substr(0, size);
@@ -46,7 +45,6 @@ class CairoPainter final : public Painter {
   void FillGradient(const Rect& rect, const Color& top, const Color& bottom) override;
   void FillGradientAcross(const Rect& rect, const Color& left, const Color& right) override;
   void Outline(const Rect& rect, const Color& color, double line_width, double radius) override;
-  void Line(Point from, Point to, const Color& color, double line_width) override;
   void Polyline(std::span<const Point> points, const Color& color, double line_width) override;
   void FillBetween(std::span<const Point> points, double y, const Color& color) override;
   void Dot(Point center, double radius, const Color& color) override;
@@ -138,11 +136,6 @@ void CairoPainter::Outline(const Rect& rect, const Color& color, double line_wid
   cairo_stroke(cairo_);
 }
 
-void CairoPainter::Line(Point from, Point to, const Color& color, double line_width) {
-  const Point points[] = {from, to};
-  Polyline(points, color, line_width);
-}
-
 void CairoPainter::Polyline(std::span<const Point> points, const Color& color, double line_width) {
   bool pen_down = false;
   for (const Point& point : points) {
@@ -215,7 +208,7 @@ double CairoPainter::TextWidth(std::string_view text, const TextStyle& style) {
   const double digit_width = Advance(cairo_, "0");
   double width = 0.0;
   while (!text.empty()) {
-    const std::string_view letter = TakeLetter(text);
+    const std::string_view letter = RemoveLetter(text);
     width += IsDigit(letter) ? digit_width : Advance(cairo_, letter);
   }
   return width;
@@ -235,7 +228,7 @@ void CairoPainter::Text(std::string_view text, Point at, const TextStyle& style)
   }
   const double digit_width = Advance(cairo_, "0");
   while (!text.empty()) {
-    const std::string_view letter = TakeLetter(text);
+    const std::string_view letter = RemoveLetter(text);
     const double advance = Advance(cairo_, letter);
     const double width = IsDigit(letter) ? digit_width : advance;
     cairo_move_to(cairo_, at.x + (width - advance) / 2.0, at.y);
@@ -249,7 +242,7 @@ std::string CairoPainter::Elide(std::string_view text, double width, const TextS
   if (TextWidth(text, style) <= width) return std::string(text);
   std::string shown;
   while (!text.empty()) {
-    const std::string longer = shown + std::string(TakeLetter(text));
+    const std::string longer = shown + std::string(RemoveLetter(text));
     if (TextWidth(longer + "…", style) > width) break;
     shown = longer;
   }

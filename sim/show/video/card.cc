@@ -40,15 +40,8 @@ double DrawLines(Painter& painter, const std::string& text, Point at, double wid
 }
 
 Color ColorOf(ScoreBoardCell::Tone tone) {
-  switch (tone) {
-    case ScoreBoardCell::Tone::kBetter:
-      return palette::kBetter;
-    case ScoreBoardCell::Tone::kWorse:
-      return palette::kWarning;
-    case ScoreBoardCell::Tone::kPlain:
-      break;
-  }
-  return palette::kInkOnLight;
+  constexpr Color kColors[] = {palette::kInkOnLight, palette::kBetter, palette::kWarning};
+  return kColors[static_cast<std::size_t>(tone)];
 }
 
 }  // namespace

@@ -405,15 +405,11 @@ int ComparisonPicture::outline_px() const {
 }
 
 void ComparisonPicture::DrawTitle(ImageView image) const {
-  const std::unique_ptr<Painter> opened = OpenPainter(image);
-  Painter& painter = *opened;
-  DrawTitleCard(painter, FrameOf(input_), layout_.unit, input_.title, input_.question);
+  DrawTitleCard(*OpenPainter(image), FrameOf(input_), layout_.unit, input_.title, input_.question);
 }
 
 void ComparisonPicture::DrawVerdict(ImageView image) const {
-  const std::unique_ptr<Painter> opened = OpenPainter(image);
-  Painter& painter = *opened;
-  DrawScoreBoard(painter, FrameOf(input_), layout_.unit, input_.title, input_.verdict);
+  DrawScoreBoard(*OpenPainter(image), FrameOf(input_), layout_.unit, input_.title, input_.verdict);
 }
 
 void ComparisonPicture::Draw(int frame, const DrawnHands& hands, ImageView image) const {

@@ -18,7 +18,6 @@
 #include "sim/show/video/hand_view.h"
 #include "sim/show/video/ordered_frames.h"
 #include "sim/show/video/osmesa_renderer.h"
-#include "sim/show/video/png_file.h"
 #include "sim/show/video/video_encoder.h"
 
 namespace gauntlet::sim {

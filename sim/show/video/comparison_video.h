@@ -10,7 +10,6 @@
 
 #include "sim/base/segment.h"
 #include "sim/base/signal.h"
-#include "sim/hand/hand.h"
 #include "sim/score/counted_ticks.h"
 #include "sim/show/video/frame_clock.h"
 #include "sim/show/video/look.h"
@@ -59,13 +58,6 @@ struct VideoInput {
   int jobs = 2;
 };
 
-/// A part of a video that shows motion: from `video_s` on the motion from `from_s` to `to_s`.
-struct VideoStretch {
-  double video_s = 0.0;
-  double from_s = 0.0;
-  double to_s = 0.0;
-  double speed = 1.0;
-};
 /// Stretches of a video of a whole motion of `samples`.
 std::vector<VideoStretch> StretchesOf(bool has_title, double rate_hz, std::int64_t samples,
                                       int frames_per_s, const std::optional<Excerpt>& again);

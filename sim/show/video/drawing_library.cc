@@ -5,6 +5,7 @@
 
 #include "sim/base/data_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/output_file.h"
 
 namespace gauntlet::sim {
 
@@ -28,6 +29,14 @@ const DrawingLibrary& LoadDrawingLibrary() {
 
 std::unique_ptr<Painter> OpenPainter(ImageView image) {
   return LoadDrawingLibrary().open_painter(image);
+}
+
+std::unique_ptr<VideoEncoder> OpenVideo(const OutputFile& file, const VideoFormat& format) {
+  return LoadDrawingLibrary().open_encoder(file, format);
+}
+
+void WritePng(const Image& image, const std::filesystem::path& target) {
+  WriteOutputFile(target, LoadDrawingLibrary().encode_png(image));
 }
 
 }  // namespace gauntlet::sim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -28,8 +29,19 @@ extern "C" const gauntlet::sim::DrawingLibrary* GauntletDrawingLibrary();
 
 namespace gauntlet::sim {
 
+// What it is made of: its own names.
+std::unique_ptr<OffScreenContext> OpenOsmesaContext();
+std::unique_ptr<VideoEncoder> OpenLibavEncoder(const OutputFile& file, const VideoFormat& format);
+std::unique_ptr<Painter> OpenCairoPainter(ImageView image);
+/// The content of a PNG file, transparency included. Errors: RunError.
+std::string EncodeCairoPng(const Image& image);
+
 /// Loaded when it is asked for first, for as long as the process lasts.
 /// Errors: RunError if it is not there, or its libraries are not.
 const DrawingLibrary& LoadDrawingLibrary();
+
+/// The picture as a PNG file, transparency included. It appears under its name when it is whole.
+/// Errors: RunError with the path and the reason.
+void WritePng(const Image& image, const std::filesystem::path& target);
 
 }  // namespace gauntlet::sim

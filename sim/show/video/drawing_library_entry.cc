@@ -1,8 +1,6 @@
 // What drawing_library.cc asks gauntlet_drawing.so for, which is made of this file, cairo_painter,
 // libav_encoder and osmesa_context.
-#include "sim/show/video/cairo_painter.h"
 #include "sim/show/video/drawing_library.h"
-#include "sim/show/video/libav_encoder.h"
 
 extern "C" const gauntlet::sim::DrawingLibrary* GauntletDrawingLibrary() {
   static constexpr gauntlet::sim::DrawingLibrary kLibrary = {

@@ -8,7 +8,6 @@
 
 #include "sim/base/error.h"
 #include "sim/base/nearest_name.h"
-#include "sim/settings/yaml_reader.h"
 #include "sim/show/video/video_layout.h"
 #include "sim/study/counted_parts.h"
 #include "sim/study/scenario/scenario_reader.h"

@@ -17,6 +17,14 @@ struct Excerpt {
   bool is_all() const { return from_s == 0.0 && std::isinf(to_s); }
 };
 
+/// A part of a video that shows motion: from `video_s` on the motion from `from_s` to `to_s`.
+struct VideoStretch {
+  double video_s = 0.0;
+  double from_s = 0.0;
+  double to_s = 0.0;
+  double speed = 1.0;
+};
+
 /// Which sample a frame shows. Whole numbers only: frame k never drifts, however long the video.
 ///
 ///     sample = first + floor(frame rate speed / frames_per_s),

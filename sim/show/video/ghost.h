@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/show/figure/palette.h"
 #include "sim/show/video/image.h"
-#include "sim/show/video/palette.h"
 
 namespace gauntlet::sim {
 

@@ -1,10 +1,9 @@
-#include "sim/show/video/libav_encoder.h"
-
 #include <fmt/format.h>
 
 #include <cerrno>
 
 #include "sim/base/error.h"
+#include "sim/show/video/drawing_library.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>

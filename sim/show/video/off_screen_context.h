@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 namespace gauntlet::sim {
 
@@ -15,8 +14,5 @@ class OffScreenContext {
   virtual void ReadColours(int width_px, int height_px, std::uint32_t* pixels) const = 0;
   virtual void ReadDepths(int width_px, int height_px, float* depths) const = 0;
 };
-
-/// Context of OSMesa, in the drawing library. Errors: RunError.
-std::unique_ptr<OffScreenContext> OpenOsmesaContext();
 
 }  // namespace gauntlet::sim

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "sim/base/error.h"
-#include "sim/show/video/off_screen_context.h"
+#include "sim/show/video/drawing_library.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <string>
@@ -48,7 +49,9 @@ class Painter {
   virtual void FillGradient(const Rect& rect, const Color& top, const Color& bottom) = 0;
   virtual void FillGradientAcross(const Rect& rect, const Color& left, const Color& right) = 0;
   virtual void Outline(const Rect& rect, const Color& color, double line_width, double radius) = 0;
-  virtual void Line(Point from, Point to, const Color& color, double line_width) = 0;
+  void Line(Point from, Point to, const Color& color, double line_width) {
+    Polyline(std::array{from, to}, color, line_width);
+  }
   /// A point that is not finite interrupts the line.
   virtual void Polyline(std::span<const Point> points, const Color& color, double line_width) = 0;
   /// Between a line and a height; a point that is not finite interrupts both.

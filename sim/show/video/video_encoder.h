@@ -12,7 +12,10 @@ namespace gauntlet::sim {
 
 enum class Container { kMp4, kWebm, kGif };
 /// By the ending of the file's name: .webm, .gif, or anything else.
-Container ContainerOf(const std::filesystem::path& file);
+inline Container ContainerOf(const std::filesystem::path& file) {
+  if (file.extension() == ".gif") return Container::kGif;
+  return file.extension() == ".webm" ? Container::kWebm : Container::kMp4;
+}
 
 /// A part of a video that players can jump to: frames [begin, end).
 struct Chapter {
