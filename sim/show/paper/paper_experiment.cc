@@ -358,19 +358,13 @@ std::vector<std::string> OverridesOf(const PaperExperimentOptions& options,
   return overrides;
 }
 
-void KeepControllers(const char* first, const char* second, Scenario& scenario) {
-  std::erase_if(scenario.controllers, [&](const NamedController& named) {
-    return named.name != first && named.name != second;
-  });
-}
-
 /// The experiment with RC servos. No claim needs noise-free reference runs of it, nor of the next.
 Study RcServoStudy(const PaperExperimentOptions& options) {
   Scenario scenario = LoadScenario(
       options.scenario,
       OverridesOf(options, {"hand.servo={kind: rc_digital}", "hand.arm_servo={kind: rc_digital}",
                             "score.noise_free_twin=false"}));
-  KeepControllers("raw", "paper_kalman", scenario);
+  KeepControllers({"raw", "paper_kalman"}, scenario);
   return PrepareStudy(std::move(scenario));
 }
 
@@ -385,7 +379,7 @@ Study BurstStudy(const PaperExperimentOptions& options, const Scenario& paper) {
   if (options.quick) overrides.emplace_back("glove.motion.bursts=1");
   Scenario bursts = LoadScenario(options.scenario.parent_path() / "fast_bursts.yaml", overrides);
   bursts.controllers = paper.controllers;
-  KeepControllers("tuned_kalman", "prediction", bursts);
+  KeepControllers({"tuned_kalman", "prediction"}, bursts);
   bursts.baseline.clear();
   return PrepareStudy(std::move(bursts));
 }
@@ -431,19 +425,9 @@ void RunStudies(const PaperExperimentOptions& options, PaperExperiment& experime
 }  // namespace
 
 std::string_view AnswerText(Judgement judgement) {
-  switch (judgement) {
-    case Judgement::kNone:
-      return "not testable here";
-    case Judgement::kBetter:
-      return "confirmed";
-    case Judgement::kEqual:
-      return "too small to matter";
-    case Judgement::kUndecided:
-      return "undecided";
-    case Judgement::kWorse:
-      return "refuted";
-  }
-  return "";
+  static constexpr std::string_view kTexts[] = {"not testable here", "confirmed",
+                                                "too small to matter", "undecided", "refuted"};
+  return kTexts[static_cast<std::size_t>(judgement)];
 }
 
 std::size_t ControllerIndex(const StudyResult& result, const std::string& name) {

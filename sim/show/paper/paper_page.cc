@@ -276,8 +276,7 @@ std::string FigureHtml(const std::vector<PaperFigure>& figures) {
   return html;
 }
 
-}  // namespace
-
+/// Verdict of the numbers, in one sentence.
 std::string PaperVerdict(const PaperExperiment& experiment) {
   Values values = ValuesOfStudy(experiment);
   values.merge(ValuesOfTests(experiment));
@@ -289,6 +288,8 @@ std::string PaperVerdict(const PaperExperiment& experiment) {
       "{{tuned_kalman.tracking_rmse_deg}} against {{paper_kalman.tracking_rmse_deg}} deg RMS.",
       values);
 }
+
+}  // namespace
 
 std::string PaperPage(const PaperExperiment& experiment, const std::vector<PaperFigure>& figures) {
   Values values = ValuesOfStudy(experiment);

@@ -14,7 +14,4 @@ std::string PaperPage(const PaperExperiment& experiment, const std::vector<Paper
 /// The claims with their numbers, for a person at a terminal.
 std::string PaperTable(const PaperExperiment& experiment);
 
-/// Verdict of the numbers, in one sentence.
-std::string PaperVerdict(const PaperExperiment& experiment);
-
 }  // namespace gauntlet::sim
