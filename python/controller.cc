@@ -30,6 +30,9 @@ using Counts = py::array_t<std::int32_t, py::array::c_style>;
 
 constexpr const char* kControllerPlace = "controller";
 
+template <class Value>
+using ValuesOfController = std::span<const Value> (controller::Controller::*)() const noexcept;
+
 /// A controller and what it is connected to. One thread at a time may use it: another gets an
 /// error.
 class BoundController {
@@ -160,8 +163,7 @@ class BoundController {
   }
 
   template <class Value>
-  py::array_t<Value> CopyOf(std::span<const Value> (controller::Controller::*values)()
-                                const noexcept) {
+  py::array_t<Value> CopyOf(ValuesOfController<Value> values) {
     const auto lock = Lock();
     const std::span<const Value> all = (controller_.*values)();
     return py::array_t<Value>(static_cast<py::ssize_t>(all.size()), all.data());
@@ -246,7 +248,8 @@ void BindController(py::module_& module) {
       },
       py::arg("file"), py::arg("text"));
   using Controller = controller::Controller;
-  py::class_<BoundController>(module, "Controller")
+  py::class_<BoundController> bound(module, "Controller");
+  bound
       .def(py::init([](const std::string& file, const std::optional<std::string>& text) {
              return std::make_unique<BoundController>(text ? sim::ParseRobot(file, *text)
                                                            : sim::LoadRobot(file));
@@ -276,38 +279,27 @@ void BindController(py::module_& module) {
       .def_property_readonly("status", &BoundController::status)
       .def_property_readonly("loop_status", &BoundController::loop_status)
       .def_property_readonly("overruns", &BoundController::overruns)
-      .def_property_readonly("measured_tick_rate_hz", &BoundController::measured_tick_rate_hz)
-      .def_property_readonly(
-          "channel_names",
-          [](const BoundController& self) { return self.robot().glove.channel_names; })
-      .def_property_readonly(
-          "joint_names", [](const BoundController& self) { return self.robot().hand.joint_names; })
-      .def_property_readonly(
-          "motor_names", [](const BoundController& self) { return self.robot().hand.motor_names; })
-      .def_property_readonly(
-          "tick_rate_hz",
-          [](const BoundController& self) { return self.robot().timing.tick_rate_hz; })
-      .def_property_readonly(
-          "ticks_per_sample",
-          [](const BoundController& self) { return self.robot().timing.ticks_per_sample; })
-      .def_property_readonly(
-          "event_period_ms",
-          [](const BoundController& self) { return self.robot().timing.event_period_ms; })
-      .def_property_readonly(
-          "linearised_angle_rad",
-          [](BoundController& self) { return self.CopyOf(&Controller::linearised_angle_rad); })
-      .def_property_readonly(
-          "filtered_angle_rad",
-          [](BoundController& self) { return self.CopyOf(&Controller::filtered_angle_rad); })
-      .def_property_readonly(
-          "predicted_angle_rad",
-          [](BoundController& self) { return self.CopyOf(&Controller::predicted_angle_rad); })
-      .def_property_readonly(
-          "target_angle_rad",
-          [](BoundController& self) { return self.CopyOf(&Controller::target_angle_rad); })
-      .def_property_readonly("untrusted_samples", [](BoundController& self) {
-        return self.CopyOf<std::int64_t>(&Controller::untrusted_samples);
-      });
+      .def_property_readonly("measured_tick_rate_hz", &BoundController::measured_tick_rate_hz);
+  const auto add = [&bound](const char* name, auto value_of) {
+    bound.def_property_readonly(
+        name, [value_of](const BoundController& self) { return value_of(self.robot()); });
+  };
+  add("channel_names", [](const auto& robot) { return robot.glove.channel_names; });
+  add("joint_names", [](const auto& robot) { return robot.hand.joint_names; });
+  add("motor_names", [](const auto& robot) { return robot.hand.motor_names; });
+  add("tick_rate_hz", [](const auto& robot) { return robot.timing.tick_rate_hz; });
+  add("ticks_per_sample", [](const auto& robot) { return robot.timing.ticks_per_sample; });
+  add("event_period_ms", [](const auto& robot) { return robot.timing.event_period_ms; });
+  const auto add_values = [&bound]<class Value>(const char* name,
+                                                ValuesOfController<Value> values) {
+    bound.def_property_readonly(name,
+                                [values](BoundController& self) { return self.CopyOf(values); });
+  };
+  add_values("linearised_angle_rad", &Controller::linearised_angle_rad);
+  add_values("filtered_angle_rad", &Controller::filtered_angle_rad);
+  add_values("predicted_angle_rad", &Controller::predicted_angle_rad);
+  add_values("target_angle_rad", &Controller::target_angle_rad);
+  add_values("untrusted_samples", &Controller::untrusted_samples);
 }
 
 }  // namespace gauntlet::python

@@ -4,6 +4,7 @@
 
 #include <condition_variable>
 #include <deque>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -82,5 +83,10 @@ class ExecutorParts final : public sim::Elsewhere {
   std::optional<Question> to_send_;
   std::deque<Part> parts_;
 };
+
+/// Null for None.
+inline std::unique_ptr<ExecutorParts> PartsOf(const pybind11::object& executor) {
+  return executor.is_none() ? nullptr : std::make_unique<ExecutorParts>(executor);
+}
 
 }  // namespace gauntlet::python

@@ -138,7 +138,7 @@ class SampleClock {
   explicit SampleClock(double rate_hz) : rate_hz_(rate_hz) {}
 
   /// Errors: UserError for a sample at another time.
-  void Take(double time_s) {
+  void Accept(double time_s) {
     if (!std::isfinite(time_s)) Fail(fmt::format("is {}, must be a time in seconds", time_s));
     if (count_ == 0) first_s_ = time_s;
     const double interval = (time_s - last_s_) * rate_hz_;
@@ -197,7 +197,7 @@ class StepFilter {
       const double value = PyFloat_AsDouble(sample);
       if (value == -1.0 && PyErr_Occurred() != nullptr) throw py::error_already_set();
       Begin(1, true);
-      TakeTime(time);
+      CheckTime(time);
       double filtered = 0.0;
       filter_->Step({&value, 1}, {&filtered, 1});
       return py::float_(filtered);
@@ -228,7 +228,7 @@ class StepFilter {
     }
     auto* const to = static_cast<double*>(static_cast<void*>(Proxy(out)->data));
     if (to != from && to < from + width && from < to + width) Fail("out", "overlaps the sample");
-    TakeTime(time);
+    CheckTime(time);
     filter_->Step({from, width}, {to, width});
     return result;
   }
@@ -275,13 +275,13 @@ class StepFilter {
     is_number_ = is_number;
   }
 
-  void TakeTime(PyObject* time) {
+  void CheckTime(PyObject* time) {
     if (time == nullptr) return;
     const double time_s = PyFloat_AsDouble(time);
     if (time_s == -1.0 && PyErr_Occurred() != nullptr) throw py::error_already_set();
     if (!rate_hz_) Fail("rate_hz", "is needed to check t");
     if (!clock_) clock_.emplace(*rate_hz_);
-    clock_->Take(time_s);
+    clock_->Accept(time_s);
   }
 
   const controller::FilterConfig config_;

@@ -15,6 +15,7 @@
 
 #include "python/elsewhere.h"
 #include "python/own_filters.h"
+#include "python/sources.h"
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
 #include "sim/trial/external/program.h"
@@ -118,7 +119,7 @@ class CallWithParts {
 
   /// Runs `work` if this is the process of the call; false if it is not. Without the GIL.
   /// Errors: Cancelled where the call has ended.
-  static bool RunWithin(const std::string& call, const std::function<void(bool)>& work) {
+  static bool RunWithin(const std::string& call, const std::function<void()>& work) {
     {
       const std::lock_guard lock(mutex);
       if (!known.contains(call) || process != getpid()) return false;  // a child knows it, too
@@ -132,7 +133,7 @@ class CallWithParts {
         ended.notify_all();
       }
     } end;
-    work(true);
+    work();
     return true;
   }
 
@@ -249,7 +250,7 @@ std::vector<std::string> RunInTurn(const py::object& on_progress,
   }
   if (worker.error()) std::rethrow_exception(worker.error());
   for (const std::string& line : sim::TakeLeftProcesses()) state.Remark("warning: " + line);
-  return state.TakeRemarks();
+  return state.RemoveRemarks();
 }
 
 }  // namespace
@@ -265,7 +266,7 @@ void LongWork::Remark(const std::string& line) {
   remarks_.push_back(line);
 }
 
-std::vector<std::string> LongWork::TakeRemarks() {
+std::vector<std::string> LongWork::RemoveRemarks() {
   const std::lock_guard lock(mutex_);
   return std::exchange(remarks_, {});
 }
@@ -292,12 +293,16 @@ std::vector<std::string> RunLong(const py::object& on_progress,
   return remarks;
 }
 
-void RunPartOf(const std::string& call, const std::function<void(bool is_within)>& work) {
+void RunPartOf(const std::string& call, const OwnFilters& own_filters,
+               const std::function<void()>& work) {
   {
     const py::gil_scoped_release unlocked;
     if (CallWithParts::RunWithin(call, work)) return;
   }
-  RunLong(py::none(), [&work](LongWork&) { work(false); });
+  RunLong(py::none(), [&](LongWork&) {
+    const OwnFiltersOfCall scope(own_filters, call);
+    work();
+  });
 }
 
 }  // namespace gauntlet::python

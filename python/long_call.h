@@ -11,6 +11,7 @@
 namespace gauntlet::python {
 
 class ExecutorParts;
+struct OwnFilters;
 
 /// Reports of long work to its caller, from any thread.
 class LongWork {
@@ -21,7 +22,7 @@ class LongWork {
 
   double done() const { return done_; }
   double all() const { return all_; }
-  std::vector<std::string> TakeRemarks();
+  std::vector<std::string> RemoveRemarks();
 
  private:
   std::atomic<double> done_{0.0};
@@ -41,8 +42,10 @@ std::vector<std::string> RunLong(const pybind11::object& on_progress,
                                  ExecutorParts* elsewhere = nullptr);
 
 /// Runs a part of the long call `call`: in this thread within that call, where it runs in this
-/// process, as with a pool of threads; in another process as a long call of its own.
-void RunPartOf(const std::string& call, const std::function<void(bool is_within)>& work);
+/// process, as with a pool of threads; in another process as a long call of its own, with these
+/// filters.
+void RunPartOf(const std::string& call, const OwnFilters& own_filters,
+               const std::function<void()>& work);
 
 /// Stops the long call of another thread, and lets none begin any more: before Python ends, which
 /// would end that thread in the middle of C++.

@@ -18,6 +18,7 @@
 #include "sim/base/error.h"
 #include "sim/base/stop.h"
 #include "sim/base/text.h"
+#include "sim/results/table_text.h"
 #include "sim/trial/external/stepper.h"
 
 namespace gauntlet::python {
@@ -155,8 +156,8 @@ class ObjectStepper final : public sim::Stepper {
   /// Errors: RunError.
   void CopyAnswer(const py::object& answer, std::span<double> output) const {
     const auto fail = [&output](const std::string& returned) {
-      throw sim::RunError(fmt::format("returned {}, must be an array of {} number{}", returned,
-                                      output.size(), output.size() == 1 ? "" : "s"));
+      throw sim::RunError(fmt::format("returned {}, must be an array of {}", returned,
+                                      sim::Counted(std::ssize(output), "number")));
     };
     const py::array any = py::array::ensure(answer);
     PyErr_Clear();
@@ -165,7 +166,7 @@ class ObjectStepper final : public sim::Stepper {
     if (!is_real || any.ndim() == 0) fail(TypeName(answer));
     if (any.ndim() != 1) fail(fmt::format("an array of {} dimensions", any.ndim()));
     if (any.size() != std::ssize(output)) {
-      fail(fmt::format("{} value{}", any.size(), any.size() == 1 ? "" : "s"));
+      fail(sim::Counted(any.size(), "value"));
     }
     const auto values = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(any);
     if (!values) throw py::error_already_set();

@@ -25,8 +25,8 @@ py::object ObjectOf(const sim::ResultValue& value) {
       value);
 }
 
-}  // namespace
-
+/// {"columns": [(key, heading, unit)], "rows": [{..}], "text": .., "html": ..}: rows have the names
+/// and values of CSV; None for what is not there.
 py::dict DictOf(const sim::ResultTable& table) {
   py::list columns;
   for (const sim::ResultColumn& column : table.columns) {
@@ -54,6 +54,8 @@ py::dict DictOf(const sim::ResultTable& table) {
   dict["html"] = sim::HtmlOf(table);
   return dict;
 }
+
+}  // namespace
 
 void AddText(const sim::ResultText& result, const sim::ResultText& verbose, py::dict& dict) {
   dict["text"] = sim::TextOf(result, {});

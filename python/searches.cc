@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -44,9 +43,8 @@ namespace py = pybind11;
 py::dict Tune(const sim::TuneRequest& request, const SettingsSource& scenario,
               const std::vector<std::string>& overrides, int jobs, const OwnFilters& own_filters,
               const py::object& executor, const py::object& on_progress) {
-  std::optional<ExecutorParts> parts;
-  if (!executor.is_none()) parts.emplace(executor);
-  ExecutorParts* const elsewhere = parts ? &*parts : nullptr;
+  const std::unique_ptr<ExecutorParts> parts = PartsOf(executor);
+  ExecutorParts* const elsewhere = parts.get();
   std::optional<sim::TuneMemo> memo;
   sim::TunePlan plan;
   std::vector<sim::TunedKind> kinds;
@@ -67,23 +65,21 @@ py::dict Tune(const sim::TuneRequest& request, const SettingsSource& scenario,
       plan.memo = &memo.emplace(plan);
       sim::AwaitKinds(plan, *elsewhere, progress);
     }
+    const auto conclude = [&](const auto& found) {
+      json = sim::TuneJson(plan, found);
+      csv = sim::TuneCsv(plan, found);
+      page = sim::TunePage(plan, found);
+      text = sim::TuneText(plan, found, false);
+      verbose = sim::TuneText(plan, found, true);
+    };
     if (request.all) {
       kinds = sim::TuneAll(plan, sim::JobsOrCores(jobs), progress);
       if (!kinds.front().has_answer()) {
         throw sim::RunError("no kind of filter has an answer: " + kinds.front().result.problem);
       }
-      json = sim::TuneAllJson(plan, kinds);
-      csv = sim::TuneAllCsv(kinds);
-      page = sim::TuneAllPage(plan, kinds);
-      text = sim::TuneAllText(plan, kinds, false);
-      verbose = sim::TuneAllText(plan, kinds, true);
+      conclude(kinds);
     } else {
-      result = sim::Tune(plan, sim::JobsOrCores(jobs), progress);
-      json = sim::TuneJson(plan, *result);
-      csv = sim::TuneCsv(plan, *result);
-      page = sim::TunePage(plan, *result);
-      text = sim::TuneText(plan, *result, false);
-      verbose = sim::TuneText(plan, *result, true);
+      conclude(result.emplace(sim::Tune(plan, sim::JobsOrCores(jobs), progress)));
     }
   };
   const std::vector<std::string> remarks = RunLong(on_progress, run, elsewhere);
@@ -143,9 +139,8 @@ py::dict Sweep(const SettingsSource& study, const sim::SweepOverrides& overrides
                const py::object& on_progress) {
   std::string json, csv;
   sim::ResultText text, verbose;
-  std::optional<ExecutorParts> parts;
-  if (!executor.is_none()) parts.emplace(executor);
-  ExecutorParts* const elsewhere = parts ? &*parts : nullptr;
+  const std::unique_ptr<ExecutorParts> parts = PartsOf(executor);
+  ExecutorParts* const elsewhere = parts.get();
   const auto run = [&](LongWork& work) {
     const OwnFiltersOfCall scope(own_filters, elsewhere ? elsewhere->call() : "");
     const sim::SweepPlan plan = SweepPlanOf(study, overrides);
@@ -235,10 +230,7 @@ void BindSearches(py::module_& module) {
          int held_out, int evaluations, bool filter_only, bool allow_programs,
          const py::dict& filters, const std::string& call, std::int64_t first, std::int64_t end,
          const std::string& database) {
-        const OwnFilters own_filters = {allow_programs, OwnObjectsOf(filters)};
-        RunPartOf(call, [&](bool is_within) {
-          std::optional<OwnFiltersOfCall> scope;
-          if (!is_within) scope.emplace(own_filters, call);
+        RunPartOf(call, {allow_programs, OwnObjectsOf(filters)}, [&] {
           RunKindsOfPart({.controller = controller,
                           .free = {},
                           .minimise = minimise,
@@ -262,10 +254,7 @@ void BindSearches(py::module_& module) {
          const std::vector<std::string>& free, bool filter_only, bool allow_programs,
          const std::vector<std::string>& about, const py::dict& filters, const std::string& call,
          std::int64_t first, std::int64_t end, const std::string& database) {
-        const OwnFilters own_filters = {allow_programs, OwnObjectsOf(filters)};
-        RunPartOf(call, [&](bool is_within) {
-          std::optional<OwnFiltersOfCall> scope;
-          if (!is_within) scope.emplace(own_filters, call);
+        RunPartOf(call, {allow_programs, OwnObjectsOf(filters)}, [&] {
           RunSettingOfPart({.controller = controller,
                             .free = free,
                             .subject_to = {},
@@ -294,10 +283,7 @@ void BindSearches(py::module_& module) {
          const std::vector<std::string>& overrides, const std::optional<int>& seeds,
          bool filter_only, bool allow_programs, const py::dict& filters, const std::string& call,
          std::int64_t first, std::int64_t end, const std::string& database) {
-        const OwnFilters own_filters = {allow_programs, OwnObjectsOf(filters)};
-        RunPartOf(call, [&](bool is_within) {
-          std::optional<OwnFiltersOfCall> scope;
-          if (!is_within) scope.emplace(own_filters, call);
+        RunPartOf(call, {allow_programs, OwnObjectsOf(filters)}, [&] {
           RunCellsOfPart({file, text},
                          {.seeds = seeds, .filter_only = filter_only, .set = overrides},
                          {{first, end}, database});

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,7 +14,6 @@
 #include "python/own_filters.h"
 #include "python/results.h"
 #include "python/sources.h"
-#include "sim/answers/compare/comparison_verdict.h"
 #include "sim/answers/compare/finish_study.h"
 #include "sim/answers/compare/study_files.h"
 #include "sim/answers/compare/study_folder.h"
@@ -144,9 +142,8 @@ std::pair<Finished, std::vector<std::string>> Run(const StudyRequest& request,
                                                   const py::object& executor,
                                                   const py::object& on_progress) {
   auto finished = std::make_shared<sim::FinishedStudy>();
-  std::optional<ExecutorParts> parts;
-  if (!executor.is_none()) parts.emplace(executor);
-  ExecutorParts* const elsewhere = parts ? &*parts : nullptr;
+  const std::unique_ptr<ExecutorParts> parts = PartsOf(executor);
+  ExecutorParts* const elsewhere = parts.get();
   std::vector<std::string> remarks = RunLong(
       on_progress, [&](LongWork& work) { RunStudy(request, elsewhere, work, *finished); },
       elsewhere);
@@ -161,31 +158,9 @@ py::dict TextOf(const sim::FinishedStudy& finished) {
 
 /// What a column of a signal is.
 constexpr const char* ColumnOf(sim::TraceColumns columns) {
-  switch (columns) {
-    case sim::TraceColumns::kChannels:
-      return "channel";
-    case sim::TraceColumns::kJoints:
-      return "joint";
-    case sim::TraceColumns::kMotors:
-      return "motor";
-    case sim::TraceColumns::kCables:
-      return "cable";
-    case sim::TraceColumns::kGrip:
-      return "object";
-    case sim::TraceColumns::kPose:
-      return "pose";
-    case sim::TraceColumns::kForces:
-      return "force";
-    case sim::TraceColumns::kDigits:
-      return "digits";
-    case sim::TraceColumns::kSensors:
-      return "sensor";
-    case sim::TraceColumns::kLinks:
-      return "link";
-    case sim::TraceColumns::kPalm:
-      return "axis";
-  }
-  return "column";
+  constexpr const char* kNames[] = {"channel", "joint",  "motor",  "cable", "object", "pose",
+                                    "force",   "digits", "sensor", "link",  "axis"};
+  return kNames[static_cast<std::size_t>(columns)];
 }
 
 /// The signals of a controller in the first seed, by name: (array, names of columns, unit, what a
@@ -277,10 +252,7 @@ void BindStudies(py::module_& module) {
          int seeds, const std::string& causes, bool allow_programs, const py::dict& filters,
          const std::string& call, std::int64_t first, std::int64_t end,
          const std::string& database) {
-        const OwnFilters own_filters = {allow_programs, OwnObjectsOf(filters)};
-        RunPartOf(call, [&](bool is_within) {
-          std::optional<OwnFiltersOfCall> scope;
-          if (!is_within) scope.emplace(own_filters, call);
+        RunPartOf(call, {allow_programs, OwnObjectsOf(filters)}, [&] {
           RunTrialsOfPart({.scenario = {file, text},
                            .overrides = overrides,
                            .controllers = controllers,

@@ -15,6 +15,7 @@
 #include "sim/cli/interrupt.h"
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
+#include "sim/results/table_text.h"
 #include "sim/study/trial_table/trial_table.h"
 
 namespace gauntlet::sim {
@@ -94,7 +95,7 @@ CellsFolder::CellsFolder(const SweepPlan& plan, const CellsCommand& command, con
       database_(KeepsTrials(path() / "study.db"), hash_, plan.metrics) {
   const std::filesystem::path file = path() / "study.db";
   if (const std::int64_t known = database_.TrialCount(); known > 0) {
-    Say("continues from {} with {} trial{}\n", file.string(), known, known == 1 ? "" : "s");
+    Say("continues from {} with {}\n", file.string(), Counted(known, "trial"));
   }
   CollectShards(command.collect, database_);
 }
@@ -123,8 +124,7 @@ void CellsFolder::Run() {
         fmt::format("{} trial{} {}", known, known == 1 ? " is" : "s are", KeptIn(file))};
   }
   if (const int damaged = database_.DamagedCount(); damaged > 0) {
-    Say("gauntlet: {}: {} damaged trial{}, computed again\n", file.string(), damaged,
-        damaged == 1 ? "" : "s");
+    Say("gauntlet: {}: {}, computed again\n", file.string(), Counted(damaged, "damaged trial"));
   }
 }
 

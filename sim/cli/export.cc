@@ -5,7 +5,6 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <variant>
@@ -23,10 +22,8 @@
 #include "sim/cli/export_lines.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/study_command.h"
 #include "sim/hand/hand_model.h"
 #include "sim/hand/mjcf_export.h"
-#include "sim/results/table_text.h"
 #include "sim/settings/libraries/library.h"
 #include "sim/settings/robot_constants.h"
 #include "sim/settings/robot_file.h"
@@ -40,12 +37,6 @@
 
 namespace gauntlet::sim {
 namespace {
-
-std::vector<std::string> LibraryNames() {
-  std::vector<std::string> names;
-  for (const Library& library : Libraries()) names.emplace_back(library.name);
-  return names;
-}
 
 struct ExportOptions {
   static constexpr auto kName = "export";
@@ -80,7 +71,7 @@ struct ExportOptions {
                "steps per second of the robot's loop [as in the trials: the glove's rate times a "
                "whole number, about 1000]"),
         Option("--for", &lines.library,
-               {.choices = LibraryNames(),
+               {.choices = AllNames(Libraries()),
                 .excludes = {"--text", "--embedded", "--mjcf", "--tick-rate-hz"}},
                "print the filter alone, as lines of this library or language"),
         Option("--exact", &lines.exact, {.needs = {"--for"}},
@@ -227,18 +218,6 @@ std::vector<std::string> NotesOf(const GloveConfig& config, const controller::Ro
   return notes;
 }
 
-/// The notes as comments at the head of the file.
-std::string CommentsOf(const std::vector<std::string>& notes, const ExportOptions& options) {
-  constexpr std::size_t kWidth = 97;
-  const std::string mark = options.embedded ? "// " : "# ";
-  std::string comments;
-  for (const std::string& note : notes) {
-    std::istringstream lines(Wrapped(note, kWidth));
-    for (std::string line; std::getline(lines, line);) comments += mark + line + "\n";
-  }
-  return comments;
-}
-
 /// Fits what is still to be fitted, to all replicates of the scenario.
 controller::ControllerConfig ForRobot(const Scenario& scenario,
                                       const controller::ControllerConfig& config) {
@@ -352,7 +331,8 @@ void RunExport(const ExportOptions& options) {
                            .file = target.filename().string()};
   const std::vector<std::string> of_robot = NotesOf(scenario.glove, robot, units);
   notes.insert(notes.begin(), of_robot.begin(), of_robot.end());
-  WriteOutputFile(target, CommentsOf(notes, options) + ContentOf(options, robot, origin));
+  WriteOutputFile(
+      target, CommentsOf(notes, options.embedded ? "//" : "#") + ContentOf(options, robot, origin));
   for (const std::string& note : notes) Say("gauntlet: {}\n", note);
   Say("wrote {}\n", target.string());
 }

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -22,7 +21,6 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/results/table_text.h"
-#include "sim/score/metrics.h"
 #include "sim/score/score.h"
 #include "sim/settings/input_unit.h"
 #include "sim/settings/libraries/library.h"
@@ -209,7 +207,7 @@ std::string PriceOf(const NearestFilter& nearest) {
   for (const auto& [key, name, unit] :
        {std::tuple{"tracking_rmse_deg", "tracking error", "deg RMS"},
         std::tuple{"delay_ms", "delay", "ms"}, std::tuple{"jitter_rms_deg", "jitter", "deg RMS"}}) {
-    const std::size_t place = PlaceOfMetric(result, MetricIndex(key));
+    const std::size_t place = PlaceOfMetric(result.metrics, MetricIndex(key));
     prices.push_back(fmt::format("{} {:.3g} in place of {:.3g} {}", name,
                                  result.verdict.scores[place].mean, nearest.own.scores[place].mean,
                                  unit));
@@ -292,8 +290,19 @@ std::vector<std::string> NotesOf(const Scenario& scenario, const NamedController
 
 }  // namespace
 
-std::string LinesOf(const Scenario& scenario, const LinesRequest& request) {
+std::string CommentsOf(const std::vector<std::string>& notes, std::string_view mark) {
   constexpr std::size_t kWidth = 97;
+  std::string comments;
+  for (const std::string& note : notes) {
+    std::istringstream lines(Wrapped(note, kWidth));
+    for (std::string line; std::getline(lines, line);) {
+      comments += fmt::format("{} {}\n", mark, line);
+    }
+  }
+  return comments;
+}
+
+std::string LinesOf(const Scenario& scenario, const LinesRequest& request) {
   const NamedController& named = FindController(scenario, request.controller);
   const Library& library = FindLibrary(request.library);
   const auto filter = PlainFilterOf(scenario, named, request);
@@ -310,14 +319,7 @@ std::string LinesOf(const Scenario& scenario, const LinesRequest& request) {
   }
   const std::vector<std::string> of_filter = NotesOf(scenario, of, library, plain, request);
   notes.insert(notes.end(), of_filter.begin(), of_filter.end());
-  std::string text;
-  for (const std::string& note : notes) {
-    std::istringstream lines(Wrapped(note, kWidth));
-    for (std::string line; std::getline(lines, line);) {
-      text += fmt::format("{} {}\n", library.comment, line);
-    }
-  }
-  return text + "\n" + library.lines(plain);
+  return CommentsOf(notes, library.comment) + "\n" + library.lines(plain);
 }
 
 }  // namespace gauntlet::sim

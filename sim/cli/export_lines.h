@@ -1,6 +1,8 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "sim/study/scenario/scenario.h"
 
@@ -15,6 +17,9 @@ struct LinesRequest {
   std::string channel;     // whose scale and settings the lines have; empty: all
   std::string unit;        // of the signal there; empty: that of the recording's columns, else deg
 };
+
+/// Notes as comments at the head of a file, wrapped, each line behind `mark`.
+std::string CommentsOf(const std::vector<std::string>& notes, std::string_view mark);
 
 /// The controller's filter as lines of a library, below comments that tell signal, version and
 /// differences. Where the library does not have the filter, the closest that it has, tuned for the

@@ -96,6 +96,23 @@ OutputFiles FilesOf(const std::vector<std::string>& controllers, const TuneComma
   return OutputFiles(std::move(plan));
 }
 
+/// Writes the files of what was found, with the controllers that `write_controllers` writes, and
+/// prints it.
+void Conclude(const TunePlan& plan, const auto& found, const TuneCommand& asked, OutputFiles& files,
+              OutputFolder& folder, const auto& write_controllers) {
+  files.Write([&](const std::filesystem::path& place) {
+    write_controllers(place);
+    WriteOutputFile(place / "tune.csv", TuneCsv(plan, found));
+    WriteOutputFile(place / "report.html", TunePage(plan, found));
+    WriteAnswer(place, TuneText(plan, found, false), TuneText(plan, found, true));
+  });
+  files.Commit();
+  folder.Keep();
+  PrintText(asked.json ? TuneJson(plan, found)
+                       : TextOf(TuneText(plan, found, asked.verbose), StyleOf(asked.terminal)));
+  FlushOutput();
+}
+
 void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folder) {
   OutputFiles files = FilesOf({plan.controller}, asked, folder);
   const TuneResult result = [&] {
@@ -104,17 +121,9 @@ void TuneOne(const TunePlan& plan, const TuneCommand& asked, OutputFolder& folde
                 [&](double done, double all) { return progress.Update(done, all); });
   }();
   const std::filesystem::path yaml = folder.path() / (plan.controller + ".yaml");
-  files.Write([&](const std::filesystem::path& place) {
+  Conclude(plan, result, asked, files, folder, [&](const std::filesystem::path& place) {
     WriteOutputFile(place / yaml.filename(), WithChecksum(ControllerYaml(result.controller)));
-    WriteOutputFile(place / "tune.csv", TuneCsv(plan, result));
-    WriteOutputFile(place / "report.html", TunePage(plan, result));
-    WriteAnswer(place, TuneText(plan, result, false), TuneText(plan, result, true));
   });
-  files.Commit();
-  folder.Keep();
-  PrintText(asked.json ? TuneJson(plan, result)
-                       : TextOf(TuneText(plan, result, asked.verbose), StyleOf(asked.terminal)));
-  FlushOutput();
   std::string sets;
   for (std::size_t a = 0; a < plan.free.size(); ++a) {
     sets += " --set " + ShellWord(plan.free[a].key + "=" + result.tried[result.chosen].values[a]);
@@ -131,21 +140,13 @@ void TuneEveryKind(const TunePlan& plan, const TuneCommand& asked, OutputFolder&
     return TuneAll(plan, JobsOrCores(asked.jobs),
                    [&](double done, double all) { return progress.Update(done, all); });
   }();
-  files.Write([&](const std::filesystem::path& place) {
+  Conclude(plan, kinds, asked, files, folder, [&](const std::filesystem::path& place) {
     for (const TunedKind& tuned : kinds) {
       if (!tuned.has_answer()) continue;
       WriteOutputFile(place / (tuned.kind + ".yaml"),
                       WithChecksum(ControllerYaml(tuned.result.controller)));
     }
-    WriteOutputFile(place / "tune.csv", TuneAllCsv(kinds));
-    WriteOutputFile(place / "report.html", TuneAllPage(plan, kinds));
-    WriteAnswer(place, TuneAllText(plan, kinds, false), TuneAllText(plan, kinds, true));
   });
-  files.Commit();
-  folder.Keep();
-  PrintText(asked.json ? TuneAllJson(plan, kinds)
-                       : TextOf(TuneAllText(plan, kinds, asked.verbose), StyleOf(asked.terminal)));
-  FlushOutput();
   if (!kinds.front().has_answer()) {
     Say("wrote {}: tune.csv, report.html\n", folder.path().string());
     throw RunError("no kind of filter has an answer: " + VerdictOf(plan, kinds).Text());

@@ -418,20 +418,20 @@ TEST(OneAnswer, OfKindsOfFiltersIsInAllOutputs) {
                                     Judgement::kUndecided, Judgement::kBetter};
       tuned.to_best.judgement = kAll[random.Index(5)];
     }
-    const Json json = Json::parse(TuneAllJson(plan, kinds));
+    const Json json = Json::parse(TuneJson(plan, kinds));
     const bool is_recommended = !json["verdict"]["recommended"].is_null();
     ++seen[is_recommended];
     if (is_recommended) {
       EXPECT_EQ(json["verdict"]["recommended"], "kalman");
     }
     const std::string settings = SettingsText(plan, kinds[0].result.verdict.values);
-    const std::string page = TuneAllPage(plan, kinds);
+    const std::string page = TunePage(plan, kinds);
     EXPECT_EQ(Between(page, "id=\"point-name\">", "<"),
               fmt::format("kalman: {}, {}", settings,
                           is_recommended ? "the answer" : "chosen, not recommended"));
     EXPECT_EQ(Count(Between(page, "id=\"data\"", "</script>"), ", the answer\""), is_recommended);
     const std::string text =
-        TextOf(TuneAllText(plan, kinds, true),
+        TextOf(TuneText(plan, kinds, true),
                {.width = TerminalStyle::kNoLimit, .table_width = TerminalStyle::kNoLimit});
     const auto reason = json["verdict"]["reasons"][0]["text"].get<std::string>();
     EXPECT_NE(reason.find("kalman with " + settings), std::string::npos) << reason;

@@ -134,7 +134,7 @@ TEST_F(TuneAllTest, FindsTheBestOfEachKindWithTheSameBudget) {
   EXPECT_EQ(names.size(), kinds.size());
   EXPECT_TRUE(kinds.front().has_answer());
   EXPECT_NE(kinds.front().kind, "none");  // the noise is above the bound without a filter
-  EXPECT_EQ(TuneAllCsv(kinds), TuneAllCsv(Run(2)));
+  EXPECT_EQ(TuneCsv(plan_, kinds), TuneCsv(plan_, Run(2)));
 }
 
 TEST_F(TuneAllTest, FindsOfOneKindWhatTuningOfItAloneFinds) {

@@ -148,7 +148,7 @@ TEST_F(TuneTest, TakesTheLeastJitterAmongEquivalentDelays) {
   const TunedSetting& chosen = result.tried[result.chosen];
   const auto least = std::ranges::min_element(
       result.tried, {}, [](const TunedSetting& setting) { return setting.scores[0].mean; });
-  const std::size_t jitter = PlaceOfMetric(result, MetricIndex("jitter_rms_deg"));
+  const std::size_t jitter = PlaceOfMetric(result.metrics, MetricIndex("jitter_rms_deg"));
   const auto relevant = [&](double delay_ms) {
     return RelevantDifferenceBetween(Metrics()[plan_.minimise], delay_ms, least->scores[0].mean);
   };
@@ -162,7 +162,7 @@ TEST_F(TuneTest, TakesTheLeastDelayAmongSettingsOfTheLeastJitter) {
   const TunedSetting& chosen = result.tried[result.chosen];
   const auto least = std::ranges::min_element(
       result.tried, {}, [](const TunedSetting& setting) { return setting.scores[0].mean; });
-  const std::size_t delay = PlaceOfMetric(result, MetricIndex("delay_ms"));
+  const std::size_t delay = PlaceOfMetric(result.metrics, MetricIndex("delay_ms"));
   EXPECT_LT(chosen.scores[delay].mean, least->scores[delay].mean - 20.0);
   EXPECT_LT(chosen.scores[0].mean - least->scores[0].mean,
             RelevantDifferenceBetween(Metrics()[plan_.minimise], chosen.scores[0].mean,

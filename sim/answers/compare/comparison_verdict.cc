@@ -1,7 +1,6 @@
 #include "sim/answers/compare/comparison_verdict.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -148,9 +147,7 @@ std::string Undecided(const Summary& summary, const Choice& choice, Verdict& ver
   }
   const auto keeps = [&](std::size_t c) { return choice.KeepsBounds(c); };
   if (std::ranges::none_of(choice.all(), keeps)) {
-    std::vector<std::string> bounds;
-    for (const Constraint& bound : summary.priority.bounds) bounds.push_back(bound.Text());
-    return fmt::format("No controller meets {}.", Listed(bounds));
+    return fmt::format("No controller meets {}.", Listed(TextsOf(summary.priority.bounds)));
   }
   Places left = choice.not_beaten();
   if (left.empty()) {

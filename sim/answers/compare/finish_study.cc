@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "sim/base/error.h"
+#include "sim/results/table_text.h"
 #include "sim/score/no_score.h"
 #include "sim/study/trial_score.h"
 #include "sim/study/trial_table/awaited_trials.h"
@@ -43,11 +44,12 @@ StudyResult RunKeptTrials(const FinishedStudy& finished, const StudyWork& work,
   const std::filesystem::path file = finished.folder / "study.db";
   StudyDatabase database(file, finished.study, {.seeds = work.seeds});
   if (const int known = database.TrialCount(); known > 0) {
-    Tell(work.note, fmt::format("continues from {} with {}", file.string(), TrialsText(known)));
+    Tell(work.note,
+         fmt::format("continues from {} with {}", file.string(), Counted(known, "trial")));
   }
   if (const int damaged = database.DamagedCount(); damaged > 0) {
     Tell(work.remark,
-         fmt::format("{}: {} damaged, computed again", file.string(), TrialsText(damaged)));
+         fmt::format("{}: {} damaged, computed again", file.string(), Counted(damaged, "trial")));
   }
   try {
     StudyResult result = RunTrials(finished.study, work, &database);
@@ -58,7 +60,7 @@ StudyResult RunKeptTrials(const FinishedStudy& finished, const StudyWork& work,
     const int known = database.TrialCount();
     if (known == 0) throw;
     throw Cancelled{
-        fmt::format("{} {} {}", TrialsText(known), known == 1 ? "is" : "are", KeptIn(file))};
+        fmt::format("{} {} {}", Counted(known, "trial"), known == 1 ? "is" : "are", KeptIn(file))};
   }
 }
 
@@ -97,10 +99,6 @@ std::vector<SmoothingRank> RankBySmoothing(const Study& study, const StudyResult
 int SeedsOfComparison(const Scenario& scenario) {
   constexpr int kFewest = 8;
   return std::max(kFewest, static_cast<int>(scenario.repetitions.gloves.size()));
-}
-
-std::string TrialsText(int count) {
-  return fmt::format("{} trial{}", count, count == 1 ? "" : "s");
 }
 
 double EstimateSeconds(const Study& study, const StudyWork& work) {

@@ -23,9 +23,6 @@ struct StudyWork {
 /// more.
 int SeedsOfComparison(const Scenario& scenario);
 
-/// "1 trial", "8 trials".
-std::string TrialsText(int count);
-
 /// Seconds that all trials of `work` will take here, from a measured piece of them: the first
 /// trials of as many controllers as run at a time. Trials that study.db knows already count as
 /// well, and what follows the trials (tables, page, video) does not. Errors: as RunStudy();

@@ -19,10 +19,9 @@ constexpr double kRounding = 1e-9;
 
 std::vector<std::string> NotIn(const std::vector<std::string>& names,
                                const std::vector<std::string>& others) {
-  std::vector<std::string> missing;
-  for (const std::string& name : names) {
-    if (std::find(others.begin(), others.end(), name) == others.end()) missing.push_back(name);
-  }
+  std::vector<std::string> missing = names;
+  std::erase_if(missing,
+                [&](const std::string& name) { return std::ranges::count(others, name) > 0; });
   return missing;
 }
 
@@ -78,17 +77,6 @@ DifferenceMethod MethodFor(const ScoreFile& a, const ScoreFile& b, std::size_t c
   if (common_seeds > 1) return DifferenceMethod::kPaired;
   const bool groups = a.seeds.size() > 1 && b.seeds.size() > 1;
   return common_seeds == 0 && groups ? DifferenceMethod::kUnpaired : DifferenceMethod::kPlain;
-}
-
-double MeanOfFinite(const std::vector<double>& values) {
-  double sum = 0.0;
-  int count = 0;
-  for (const double value : values) {
-    if (!std::isfinite(value)) continue;
-    sum += value;
-    ++count;
-  }
-  return count > 0 ? sum / count : kNaN;
 }
 
 /// B - A. Pairs of which too few have both scores are compared as groups.
@@ -157,6 +145,17 @@ Json FolderJson(const StudyFolder& folder) {
 
 }  // namespace
 
+double MeanOfFinite(const std::vector<double>& values) {
+  double sum = 0.0;
+  int count = 0;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    sum += value;
+    ++count;
+  }
+  return count > 0 ? sum / count : kNaN;
+}
+
 std::size_t StudyDifference::ChangedScores() const {
   return static_cast<std::size_t>(std::count_if(
       scores.begin(), scores.end(),
@@ -169,10 +168,8 @@ bool StudyDifference::Same() const {
 }
 
 std::vector<int> CommonSeeds(const std::vector<int>& a, const std::vector<int>& b) {
-  std::vector<int> common;
-  for (const int seed : a) {
-    if (std::find(b.begin(), b.end(), seed) != b.end()) common.push_back(seed);
-  }
+  std::vector<int> common = a;
+  std::erase_if(common, [&](int seed) { return std::ranges::count(b, seed) == 0; });
   return common;
 }
 
@@ -228,21 +225,9 @@ StudyDifference CompareStudies(const StudyFolder& a, const StudyFolder& b) {
 }
 
 std::string_view ChangeText(ScoreChange change) {
-  switch (change) {
-    case ScoreChange::kNone:
-      return "same";
-    case ScoreChange::kBetter:
-      return "better";
-    case ScoreChange::kWorse:
-      return "worse";
-    case ScoreChange::kOnlyInA:
-      return "only in A";
-    case ScoreChange::kOnlyInB:
-      return "only in B";
-    case ScoreChange::kOtherJoints:
-      return "of other joints";
-  }
-  return "";
+  static constexpr std::string_view kTexts[] = {"same",      "better",    "worse",
+                                                "only in A", "only in B", "of other joints"};
+  return kTexts[static_cast<std::size_t>(change)];
 }
 
 double SizeOf(const ScoreDifference& score) {

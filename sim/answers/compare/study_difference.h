@@ -61,6 +61,9 @@ struct StudyDifference {
   bool Same() const;
 };
 
+/// NaN without any.
+double MeanOfFinite(const std::vector<double>& values);
+
 /// Seeds that both have, in the order of A.
 std::vector<int> CommonSeeds(const std::vector<int>& a, const std::vector<int>& b);
 /// The scores of these seeds, in this order; all of them where there are no such seeds.

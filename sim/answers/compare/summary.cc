@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sim/answers/compare/comparison_verdict.h"
+#include "sim/results/table_text.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -73,10 +74,6 @@ Comparison Reversed(Comparison comparison) {
   return comparison;
 }
 
-bool IsPrimary(std::size_t metric) {
-  return std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) > 0;
-}
-
 /// Judges all pairs of controllers in the metrics of one family. Returns how many have an interval.
 int JudgeFamily(const StudyResult& result, bool primary, Summary& summary) {
   const std::vector<int> motions = MotionsOfReplicates(result, summary.blocks);
@@ -135,19 +132,8 @@ void CompareWithBaseline(const StudyResult& result, std::size_t metric, Summary&
 }  // namespace
 
 char Summary::MarkOf(std::size_t controller, std::size_t metric) const {
-  switch (controllers[controller].AgainstBaseline(metric)) {
-    case Judgement::kBetter:
-      return '*';
-    case Judgement::kEqual:
-      return '=';
-    case Judgement::kWorse:
-      return '!';
-    case Judgement::kUndecided:
-      return '?';
-    case Judgement::kNone:
-      break;
-  }
-  return ' ';
+  static constexpr std::string_view kMarks = " *=?!";  // in the order of Judgement
+  return kMarks[static_cast<std::size_t>(controllers[controller].AgainstBaseline(metric))];
 }
 
 std::vector<int> MotionsOf(const StudyResult& result) {
@@ -219,9 +205,9 @@ std::vector<std::string> Failures(const Summary& summary, std::size_t seeds) {
   std::vector<std::string> lines;
   for (const ControllerSummary& controller : summary.controllers) {
     if (controller.failed_trials == 0) continue;
-    lines.push_back(fmt::format("{} failed in {} of {} trial{} and is not ranked: {}",
-                                controller.name, controller.failed_trials, seeds,
-                                seeds == 1 ? "" : "s", controller.problem));
+    lines.push_back(fmt::format(
+        "{} failed in {} of {} and is not ranked: {}", controller.name, controller.failed_trials,
+        Counted(static_cast<std::int64_t>(seeds), "trial"), controller.problem));
   }
   return lines;
 }

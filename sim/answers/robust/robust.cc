@@ -127,12 +127,12 @@ using HandResults = std::vector<CellResult>;
 
 double MeanOf(const RobustPlan& plan, const CellResult& result, std::size_t metric) {
   if (!result.problem.empty()) return kNaN;
-  return result.scores[PlaceOfMetric(plan.sweep, metric)].mean;
+  return result.scores[PlaceOfMetric(plan.sweep.metrics, metric)].mean;
 }
 
 const std::vector<double>& BySeed(const RobustPlan& plan, const CellResult& result,
                                   std::size_t metric) {
-  return result.by_seed[PlaceOfMetric(plan.sweep, metric)];
+  return result.by_seed[PlaceOfMetric(plan.sweep.metrics, metric)];
 }
 
 /// Places of the controllers that have this score, the best first.

@@ -89,6 +89,74 @@ ResultTable HandsTable(const RobustResult& result) {
   return table;
 }
 
+/// A row per controller: one score on the nominal hand, and on how many others it is best.
+ResultTable RobustScoreTable(const RobustResult& result, const RobustScore& score) {
+  const std::string key(Metrics()[score.metric].key);
+  ResultTable table{
+      .columns = {OnlyInCsv("score"),
+                  {"name", key, "", {{"name", "controller"}}},
+                  LevelColumn("nominal", "nominal hand"),
+                  DifferenceColumn("nominal_to_best", "verdict", "nominal_verdict_to_best"),
+                  ShareColumn("best", "best", "hands"),
+                  ShareColumn("near_best", "equivalent", "")}};
+  for (std::size_t c = 0; c < score.controllers.size(); ++c) {
+    const ControllerSummary& nominal = result.nominal.controllers[c];
+    const bool is_best = score.two_best.front() == c;
+    const Comparison to_best =
+        is_best ? Comparison{} : result.nominal.Of(score.metric, c, score.two_best.front());
+    table.rows.push_back(
+        {ResultCell(key), ResultCell(nominal.name), LevelCell(nominal.summary[score.metric]),
+         CellOf(to_best.difference, is_best ? "best" : JudgementText(to_best.judgement)),
+         CellOf(score.controllers[c].best), CellOf(score.controllers[c].near_best)});
+  }
+  return table;
+}
+
+/// A row per parameter: what it does to the difference between the two that are best.
+ResultTable TornadoTable(const RobustPlan& plan, const RobustScore& score) {
+  ResultTable table{.columns = {OnlyInCsv("score"),
+                                {"first"},
+                                {"second"},
+                                {"parameter", "parameter"},
+                                LevelColumn("low", "low"),
+                                LevelColumn("high", "high"),
+                                LevelColumn("change", "high - low", "level"),
+                                {"relevant_difference"},
+                                ResultColumn("verdict", "verdict").Words(),
+                                {"problem"}}};
+  for (const TornadoBar& bar : score.bars) {
+    ResultRow row = {ResultCell(std::string(Metrics()[score.metric].key)),
+                     ResultCell(score.controllers[score.two_best[0]].name),
+                     ResultCell(score.controllers[score.two_best[1]].name),
+                     ResultCell(plan.parameters[bar.parameter].name)};
+    if (bar.problem.empty()) {
+      row.insert(row.end(),
+                 {LevelCell(bar.low), LevelCell(bar.high), LevelCell(bar.change.difference),
+                  ResultCell(bar.change.relevant_difference),
+                  ResultCell(std::string(TornadoVerdict(bar))), ResultCell()});
+    } else {
+      row.insert(row.end(), {ResultCell::Text("-"), ResultCell::Text("-"), ResultCell::Text("-"),
+                             ResultCell(), ResultCell::Text(bar.problem), ResultCell(bar.problem)});
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+/// Description of the hands: "32 hands, each with friction, delay ... within 30 % of the
+/// scenario's".
+std::string HandsText(const RobustPlan& plan) {
+  std::vector<std::string> names;
+  for (const RobustParameter& parameter : plan.parameters) names.push_back(parameter.name);
+  std::string text = fmt::format("{} hands, each with {} within {:g} % of the scenario's",
+                                 plan.hands, fmt::join(names, ", "), plan.within_percent);
+  if (!plan.not_varied.empty()) {
+    text += fmt::format(" (not {}, which {} 0 there)", fmt::join(plan.not_varied, ", "),
+                        plan.not_varied.size() == 1 ? "is" : "are");
+  }
+  return text + fmt::format("; {} each", Counted(plan.sweep.file.seeds, "seed"));
+}
+
 }  // namespace
 
 std::string PercentText(const Share& share) {
@@ -134,70 +202,8 @@ Verdict VerdictOf(const RobustPlan& plan, const RobustResult& result) {
 }
 
 std::string_view TornadoVerdict(const TornadoBar& bar) {
-  switch (bar.change.judgement) {
-    case Judgement::kNone:
-      return "";
-    case Judgement::kEqual:
-      return "no effect";
-    case Judgement::kUndecided:
-      return "undecided";
-    case Judgement::kBetter:
-    case Judgement::kWorse:
-      return "effect";
-  }
-  return "";
-}
-
-ResultTable RobustScoreTable(const RobustResult& result, const RobustScore& score) {
-  const std::string key(Metrics()[score.metric].key);
-  ResultTable table{
-      .columns = {OnlyInCsv("score"),
-                  {"name", key, "", {{"name", "controller"}}},
-                  LevelColumn("nominal", "nominal hand"),
-                  DifferenceColumn("nominal_to_best", "verdict", "nominal_verdict_to_best"),
-                  ShareColumn("best", "best", "hands"),
-                  ShareColumn("near_best", "equivalent", "")}};
-  for (std::size_t c = 0; c < score.controllers.size(); ++c) {
-    const ControllerSummary& nominal = result.nominal.controllers[c];
-    const bool is_best = score.two_best.front() == c;
-    const Comparison to_best =
-        is_best ? Comparison{} : result.nominal.Of(score.metric, c, score.two_best.front());
-    table.rows.push_back(
-        {ResultCell(key), ResultCell(nominal.name), LevelCell(nominal.summary[score.metric]),
-         CellOf(to_best.difference, is_best ? "best" : JudgementText(to_best.judgement)),
-         CellOf(score.controllers[c].best), CellOf(score.controllers[c].near_best)});
-  }
-  return table;
-}
-
-ResultTable TornadoTable(const RobustPlan& plan, const RobustScore& score) {
-  ResultTable table{.columns = {OnlyInCsv("score"),
-                                {"first"},
-                                {"second"},
-                                {"parameter", "parameter"},
-                                LevelColumn("low", "low"),
-                                LevelColumn("high", "high"),
-                                LevelColumn("change", "high - low", "level"),
-                                {"relevant_difference"},
-                                ResultColumn("verdict", "verdict").Words(),
-                                {"problem"}}};
-  for (const TornadoBar& bar : score.bars) {
-    ResultRow row = {ResultCell(std::string(Metrics()[score.metric].key)),
-                     ResultCell(score.controllers[score.two_best[0]].name),
-                     ResultCell(score.controllers[score.two_best[1]].name),
-                     ResultCell(plan.parameters[bar.parameter].name)};
-    if (bar.problem.empty()) {
-      row.insert(row.end(),
-                 {LevelCell(bar.low), LevelCell(bar.high), LevelCell(bar.change.difference),
-                  ResultCell(bar.change.relevant_difference),
-                  ResultCell(std::string(TornadoVerdict(bar))), ResultCell()});
-    } else {
-      row.insert(row.end(), {ResultCell::Text("-"), ResultCell::Text("-"), ResultCell::Text("-"),
-                             ResultCell(), ResultCell::Text(bar.problem), ResultCell(bar.problem)});
-    }
-    table.rows.push_back(std::move(row));
-  }
-  return table;
+  static constexpr std::string_view kWords[] = {"", "effect", "no effect", "undecided", "effect"};
+  return kWords[static_cast<std::size_t>(bar.change.judgement)];
 }
 
 std::string RobustCsv(const RobustResult& result) {
@@ -230,19 +236,6 @@ std::string RobustJson(const RobustPlan& plan, const RobustResult& result) {
                               {"tornado", JsonOf(TornadoTable(plan, score))}});
   }
   return json.dump(1) + "\n";
-}
-
-std::string HandsText(const RobustPlan& plan) {
-  std::vector<std::string> names;
-  for (const RobustParameter& parameter : plan.parameters) names.push_back(parameter.name);
-  std::string text = fmt::format("{} hands, each with {} within {:g} % of the scenario's",
-                                 plan.hands, fmt::join(names, ", "), plan.within_percent);
-  if (!plan.not_varied.empty()) {
-    text += fmt::format(" (not {}, which {} 0 there)", fmt::join(plan.not_varied, ", "),
-                        plan.not_varied.size() == 1 ? "is" : "are");
-  }
-  return text + fmt::format("; {} seed{} each", plan.sweep.file.seeds,
-                            plan.sweep.file.seeds == 1 ? "" : "s");
 }
 
 ResultText RobustText(const RobustPlan& plan, const RobustResult& result, bool verbose) {

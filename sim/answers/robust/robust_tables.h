@@ -1,20 +1,12 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "sim/answers/robust/robust.h"
-#include "sim/results/result_table.h"
 #include "sim/results/table_text.h"
 #include "sim/results/verdict.h"
 
 namespace gauntlet::sim {
-
-/// A row per controller: one score on the nominal hand, and on how many others it is best.
-ResultTable RobustScoreTable(const RobustResult& result, const RobustScore& score);
-
-/// A row per parameter: what it does to the difference between the two that are best.
-ResultTable TornadoTable(const RobustPlan& plan, const RobustScore& score);
 
 /// "effect", "no effect", "undecided"; empty where there is nothing to judge.
 std::string_view TornadoVerdict(const TornadoBar& bar);
@@ -39,9 +31,5 @@ std::string RobustJson(const RobustPlan& plan, const RobustResult& result);
 /// hands on which each controller is best, then the parameters that matter for the score that
 /// decides, and a sentence for each score.
 ResultText RobustText(const RobustPlan& plan, const RobustResult& result, bool verbose);
-
-/// Description of the hands: "32 hands, each with friction, delay ... within 30 % of the
-/// scenario's".
-std::string HandsText(const RobustPlan& plan);
 
 }  // namespace gauntlet::sim

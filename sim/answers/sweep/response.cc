@@ -13,17 +13,6 @@ namespace {
 constexpr std::int64_t kMostValues = 100;
 constexpr std::size_t kMostControllers = 8;
 
-/// Paired over the seeds that both have.
-Judgement JudgeCells(const SweepPlan& plan, const CellResult& result, const CellResult& first,
-                     double comparisons) {
-  const std::size_t place = PlaceOfMetric(plan, plan.best_by);
-  const std::size_t seeds = std::min(result.motions.size(), first.motions.size());
-  return ComparePaired(plan.best_by, std::span(result.by_seed[place]).first(seeds),
-                       std::span(first.by_seed[place]).first(seeds),
-                       std::span(result.motions).first(seeds), comparisons)
-      .judgement;
-}
-
 }  // namespace
 
 Response ReadResponse(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells) {
@@ -64,7 +53,8 @@ Response ReadResponse(const SweepPlan& plan, SweepDatabase& database, const Cell
       response.verdicts[c - 1].judgements.push_back(
           result == results.end() || first == results.end()
               ? Judgement::kNone
-              : JudgeCells(plan, *result, *first, static_cast<double>(response.comparisons)));
+              : CompareCells(plan, *result, *first, static_cast<double>(response.comparisons))
+                    .judgement);
     }
   }
   return response;

@@ -18,7 +18,7 @@ Met Worse(Met a, Met b) { return std::max(a, b); }
 
 /// Score that decides, the lower the better, infinity if there is none.
 double Rank(const SweepPlan& plan, const CellResult& result) {
-  const double mean = result.scores[PlaceOfMetric(plan, plan.best_by)].mean;
+  const double mean = result.scores[PlaceOfMetric(plan.metrics, plan.best_by)].mean;
   if (std::isnan(mean)) return std::numeric_limits<double>::infinity();
   return Metrics()[plan.best_by].lower_is_better ? mean : -mean;
 }
@@ -65,7 +65,8 @@ CellResult ResultOf(const SweepPlan& plan, SweepDatabase& database, int first_se
   }
   for (const Constraint& constraint : plan.constraints) {
     result.met =
-        Worse(result.met, IsMet(constraint, result.scores[PlaceOfMetric(plan, constraint.metric)]));
+        Worse(result.met,
+              IsMet(constraint, result.scores[PlaceOfMetric(plan.metrics, constraint.metric)]));
   }
   return result;
 }
@@ -89,25 +90,13 @@ void Count(const SweepPlan& plan, const CellResult& result, SweepSummary& summar
 
 }  // namespace
 
-std::size_t PlaceOfMetric(const SweepPlan& plan, std::size_t metric) {
-  const auto found = std::ranges::find(plan.metrics, metric);
-  return static_cast<std::size_t>(found - plan.metrics.begin());
+std::size_t PlaceOfMetric(const std::vector<std::size_t>& metrics, std::size_t metric) {
+  return static_cast<std::size_t>(std::ranges::find(metrics, metric) - metrics.begin());
 }
 
 std::string_view MetText(Met met) {
-  switch (met) {
-    case Met::kYes:
-      return "yes";
-    case Met::kLikely:
-      return "likely";
-    case Met::kUnlikely:
-      return "unlikely";
-    case Met::kNo:
-      return "no";
-    case Met::kNoScore:
-      return "no score";
-  }
-  return "";
+  static constexpr std::string_view kTexts[] = {"yes", "likely", "unlikely", "no", "no score"};
+  return kTexts[static_cast<std::size_t>(met)];
 }
 
 Met IsMet(const Constraint& constraint, const MeanInterval& score) {
@@ -147,28 +136,26 @@ SweepSummary SummariseSweep(const SweepPlan& plan, SweepDatabase& database, cons
   return summary;
 }
 
-CellComparison ComparePaired(std::size_t metric, std::span<const double> first,
-                             std::span<const double> second, std::span<const int> motions,
-                             double pairs) {
-  CellComparison comparison;
+Comparison ComparePaired(std::size_t metric, std::span<const double> first,
+                         std::span<const double> second, std::span<const int> motions,
+                         double pairs) {
+  Comparison comparison;
   comparison.difference = EstimateDifference(first, second, motions)
                               .IntervalAt(1.0 - kFamilyError / std::max(1.0, pairs));
-  comparison.judgement = JudgeDifference(
-      comparison.difference,
-      RelevantDifferenceBetween(Metrics()[metric], EstimateMean(first, motions).mean,
-                                EstimateMean(second, motions).mean),
-      Metrics()[metric].lower_is_better);
+  comparison.relevant_difference = RelevantDifferenceBetween(
+      Metrics()[metric], EstimateMean(first, motions).mean, EstimateMean(second, motions).mean);
+  comparison.judgement = JudgeDifference(comparison.difference, comparison.relevant_difference,
+                                         Metrics()[metric].lower_is_better);
   return comparison;
 }
 
-CellComparison CompareCells(const SweepPlan& plan, const CellResult& first,
-                            const CellResult& second, std::int64_t results) {
-  const auto count = static_cast<double>(results);
-  const std::size_t place = PlaceOfMetric(plan, plan.best_by);
+Comparison CompareCells(const SweepPlan& plan, const CellResult& first, const CellResult& second,
+                        double pairs) {
+  const std::size_t place = PlaceOfMetric(plan.metrics, plan.best_by);
   const std::size_t seeds = std::min(first.motions.size(), second.motions.size());
   return ComparePaired(plan.best_by, std::span(first.by_seed[place]).first(seeds),
                        std::span(second.by_seed[place]).first(seeds),
-                       std::span(first.motions).first(seeds), 0.5 * count * (count - 1.0));
+                       std::span(first.motions).first(seeds), pairs);
 }
 
 }  // namespace gauntlet::sim

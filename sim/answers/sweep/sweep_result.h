@@ -48,8 +48,8 @@ struct SweepSummary {
   std::string first_problem;     // of those not built or failed
 };
 
-/// The place of a score in the plan's metrics.
-std::size_t PlaceOfMetric(const SweepPlan& plan, std::size_t metric);
+/// The place of a score in `metrics`; their number if it is not among them.
+std::size_t PlaceOfMetric(const std::vector<std::size_t>& metrics, std::size_t metric);
 
 /// Reads the cells in order, one at a time.
 void ForEachCell(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
@@ -59,17 +59,16 @@ void ForEachCell(const SweepPlan& plan, SweepDatabase& database, const CellRange
 SweepSummary SummariseSweep(const SweepPlan& plan, SweepDatabase& database, const CellRange& cells,
                             const std::function<void(const CellResult&)>& see = {});
 
-/// Difference of one score between two settings, paired by seed, and its judgement.
-struct CellComparison {
-  MeanInterval difference;
-  Judgement judgement = Judgement::kNone;
-};
-/// Judges one of so many pairs: see judgement.h.
-CellComparison ComparePaired(std::size_t metric, std::span<const double> first,
-                             std::span<const double> second, std::span<const int> motions,
-                             double pairs);
-/// In the score that decides, among all pairs of `results`.
-CellComparison CompareCells(const SweepPlan& plan, const CellResult& first,
-                            const CellResult& second, std::int64_t results);
+/// Number of pairs of so many settings.
+constexpr double PairsOf(double count) { return 0.5 * count * (count - 1.0); }
+
+/// Difference of one score between two settings, paired by seed, as one of so many pairs: see
+/// judgement.h.
+Comparison ComparePaired(std::size_t metric, std::span<const double> first,
+                         std::span<const double> second, std::span<const int> motions,
+                         double pairs);
+/// In the score that decides, over the seeds that both have.
+Comparison CompareCells(const SweepPlan& plan, const CellResult& first, const CellResult& second,
+                        double pairs);
 
 }  // namespace gauntlet::sim

@@ -59,7 +59,7 @@ class Sweep {
   }
 
   void Run() {
-    if (options_.elsewhere != nullptr) TakePartsFrom(*options_.elsewhere);
+    if (options_.elsewhere != nullptr) AwaitPartsFrom(*options_.elsewhere);
     for (std::int64_t first = options_.cells.first; first < options_.cells.end;) {
       ThrowIfStopped();
       const CellRange cells = blocks_.BlockFrom({first, options_.cells.end});
@@ -82,7 +82,7 @@ class Sweep {
   }
 
   /// Waits for the cells that are computed elsewhere. What does not come is lacking still.
-  void TakePartsFrom(Elsewhere& elsewhere) {
+  void AwaitPartsFrom(Elsewhere& elsewhere) {
     constexpr std::chrono::milliseconds kPatience{50};
     std::vector<WorkRange> parts =
         Divide({options_.cells.first, options_.cells.end}, elsewhere.most_parts());

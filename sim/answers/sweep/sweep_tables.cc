@@ -46,25 +46,21 @@ ResultRow RowOf(const CellResult& result) {
   return row;
 }
 
-std::string Cells(std::int64_t count) {
-  return fmt::format("{} setting{}", count, count == 1 ? "" : "s");
-}
-
 void AddCounts(const SweepPlan& plan, const SweepSummary& summary, ResultText& text) {
   if (!plan.constraints.empty()) {
-    std::vector<std::string> bounds;
-    for (const Constraint& constraint : plan.constraints) bounds.push_back(constraint.Text());
     AddLine(
         fmt::format("{} of {} meet {} (yes: the whole 95 % confidence interval, likely: the mean).",
-                    summary.meeting, summary.results, fmt::join(bounds, ", ")),
+                    summary.meeting, summary.results, fmt::join(TextsOf(plan.constraints), ", ")),
         text);
   }
-  if (summary.not_built > 0) AddLine(Cells(summary.not_built) + " could not be built.", text);
+  if (summary.not_built > 0)
+    AddLine(Counted(summary.not_built, "setting") + " could not be built.", text);
   if (summary.failed > 0) {
-    AddLine(fmt::format("Simulations failed in {}.", Cells(summary.failed)), text);
+    AddLine(fmt::format("Simulations failed in {}.", Counted(summary.failed, "setting")), text);
   }
   AddLine(summary.first_problem, text);
-  if (summary.missing > 0) AddLine(Cells(summary.missing) + " have no result yet.", text);
+  if (summary.missing > 0)
+    AddLine(Counted(summary.missing, "setting") + " have no result yet.", text);
   for (const CellResult& best : summary.best) {
     const std::string few = TooFewTextIfAny(best.scores, static_cast<std::size_t>(plan.file.seeds));
     AddLine(few, text);
@@ -96,8 +92,7 @@ std::vector<std::string> StretchesOf(const ResponseVerdict& verdict, Judgement j
 }
 
 bool IsAnswer(const SweepPlan& plan, std::size_t metric) {
-  return metric == plan.best_by ||
-         std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) > 0;
+  return metric == plan.best_by || IsPrimary(metric);
 }
 
 /// Leaves the first rows, and of the scores the primary ones without their intervals.
@@ -127,9 +122,10 @@ Verdict VerdictOf(const SweepPlan& plan, const SweepSummary& summary) {
     std::vector<std::string> undecided;
     for (const CellResult& cell : summary.best) {
       if (&cell == &best) continue;
-      const CellComparison to_best = CompareCells(plan, cell, best, summary.results);
-      if (to_best.judgement == Judgement::kEqual) verdict.alternatives.push_back(name_of(cell));
-      if (to_best.judgement == Judgement::kUndecided) undecided.push_back(name_of(cell));
+      const Judgement judgement =
+          CompareCells(plan, cell, best, PairsOf(static_cast<double>(summary.results))).judgement;
+      if (judgement == Judgement::kEqual) verdict.alternatives.push_back(name_of(cell));
+      if (judgement == Judgement::kUndecided) undecided.push_back(name_of(cell));
     }
     std::vector<std::string> values;
     for (std::size_t m = 0; m < plan.metrics.size(); ++m) {
@@ -168,10 +164,10 @@ ResultTable BestCells(const SweepPlan& plan, const SweepSummary& summary) {
   ResultTable table{.columns = CellColumns(plan), .rows = {}, .names = 2};
   for (const CellResult& result : shown) {
     table.rows.push_back(RowOf(result));
-    const auto& [difference, judgement] =
-        CompareCells(plan, result, shown.front(), summary.results);
+    const Comparison comparison =
+        CompareCells(plan, result, shown.front(), PairsOf(static_cast<double>(summary.results)));
     ResultCell& to_best = table.rows.back().back();
-    to_best = CellOf(difference, JudgementText(judgement));
+    to_best = CellOf(comparison.difference, JudgementText(comparison.judgement));
     if (&result == &shown.front()) to_best.text = "best";
   }
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
@@ -199,7 +195,7 @@ void WriteSweepJson(const SweepPlan& plan, SweepDatabase& database, const CellRa
                {"physics", plan.file.physics},
                {"seeds", plan.file.seeds},
                {"best_by", Metrics()[plan.best_by].key},
-               {"constraints", Json::array()},
+               {"constraints", TextsOf(plan.constraints)},
                {"results", summary.results},
                {"meeting", summary.meeting},
                {"not_built", summary.not_built},
@@ -207,9 +203,6 @@ void WriteSweepJson(const SweepPlan& plan, SweepDatabase& database, const CellRa
                {"missing", summary.missing},
                {"verdict", JsonOf(VerdictOf(plan, summary))},
                {"best", Json::array()}};
-  for (const Constraint& constraint : plan.constraints) {
-    head["constraints"].push_back(constraint.Text());
-  }
   if (!summary.best.empty()) head["best"] = JsonOf(BestCells(plan, summary));
   std::string text = head.dump(1);
   text.erase(text.find_last_of('\n'));  // the brace, as the cells follow
@@ -272,8 +265,8 @@ ResultText SweepText(const SweepPlan& plan, const SweepSummary& summary, const R
   const std::size_t shown = best.rows.size();
   if (!verbose) KeepAnswer(plan, kFewRows, best);
   ResultText text = {
-      fmt::format("{}: {}\n{}, {} seed{}{}; best by {}", plan.file.name, plan.file.question,
-                  Cells(plan.cell_count()), plan.file.seeds, plan.file.seeds == 1 ? "" : "s",
+      fmt::format("{}: {}\n{}, {}{}; best by {}", plan.file.name, plan.file.question,
+                  Counted(plan.cell_count(), "setting"), Counted(plan.file.seeds, "seed"),
                   plan.file.physics ? "" : ", filters only, no hand", ScoreName(plan.best_by))};
   AddVerdict(VerdictOf(plan, summary), text);
   text.emplace_back(std::move(best));

@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "controller/filters/filter_registry.h"
 #include "sim/answers/sweep/sweep_plan.h"
 #include "sim/study/scenario/filter_input.h"
 

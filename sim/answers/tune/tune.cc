@@ -24,11 +24,6 @@ constexpr std::size_t kMostVerdicts = 10;
 
 }  // namespace
 
-std::size_t PlaceOfMetric(const TuneResult& result, std::size_t metric) {
-  return static_cast<std::size_t>(std::ranges::find(result.metrics, metric) -
-                                  result.metrics.begin());
-}
-
 std::string SettingsText(const TunePlan& plan, const std::vector<std::string>& values) {
   std::string text;
   for (std::size_t a = 0; a < values.size(); ++a) {
@@ -49,10 +44,10 @@ struct Aim {
 /// The objective and the bounds of a setting for the search.
 Measured MeasuredOf(const Aim& aim, const TuneResult& result, const TunedSetting& setting) {
   if (!setting.problem.empty()) return {.objective = kNaN};
-  const double mean = setting.scores[PlaceOfMetric(result, aim.minimise)].mean;
+  const double mean = setting.scores[PlaceOfMetric(result.metrics, aim.minimise)].mean;
   Measured measured{.objective = Metrics()[aim.minimise].lower_is_better ? mean : -mean};
   for (const Constraint& constraint : aim.constraints) {
-    const double score = setting.scores[PlaceOfMetric(result, constraint.metric)].mean;
+    const double score = setting.scores[PlaceOfMetric(result.metrics, constraint.metric)].mean;
     const double beyond = constraint.at_most ? score - constraint.bound : constraint.bound - score;
     const double size = std::max(std::abs(constraint.bound), 1e-9);
     if (std::isnan(score)) measured.objective = score;
@@ -157,18 +152,18 @@ std::vector<std::size_t> BestFirst(const TunePlan& plan, const TuneResult& resul
 /// by its mean first, by their delay. The rule is that of a comparison.
 std::vector<std::size_t> EquivalentFirst(const TunePlan& plan, const TuneResult& result,
                                          std::vector<std::size_t> order) {
-  if (std::ranges::count(PrimaryScores(), plan.minimise, &PrimaryScore::metric) == 0) return order;
+  if (!IsPrimary(plan.minimise)) return order;
   if (order.empty()) return order;
   const auto count = static_cast<double>(order.size());
   const TunedSetting& best = result.tried[order.front()];
   const auto others = std::stable_partition(order.begin(), order.end(), [&](std::size_t i) {
     const TunedSetting& setting = result.tried[i];
     return &setting == &best || ComparePaired(plan.minimise, setting.minimised, best.minimised,
-                                              setting.motions, 0.5 * count * (count - 1))
+                                              setting.motions, PairsOf(count))
                                         .judgement == Judgement::kEqual;
   });
   const auto sort_by = [&](std::size_t metric, auto begin, auto end) {
-    const std::size_t place = PlaceOfMetric(result, metric);
+    const std::size_t place = PlaceOfMetric(result.metrics, metric);
     std::stable_sort(begin, end, [&result, place](std::size_t a, std::size_t b) {
       const double first = result.tried[a].scores[place].mean;
       const double second = result.tried[b].scores[place].mean;
@@ -178,7 +173,7 @@ std::vector<std::size_t> EquivalentFirst(const TunePlan& plan, const TuneResult&
   const std::size_t jitter = MetricIndex("jitter_rms_deg");
   sort_by(jitter, order.begin(), others);
   const auto jitter_of = [&](std::size_t i) {
-    return result.tried[i].scores[PlaceOfMetric(result, jitter)].mean;
+    return result.tried[i].scores[PlaceOfMetric(result.metrics, jitter)].mean;
   };
   const double least = jitter_of(order.front());
   const auto more = std::find_if(order.begin(), others, [&](std::size_t i) {
@@ -201,9 +196,8 @@ void FindEqualRanges(const TunePlan& plan, const std::vector<std::size_t>& order
     const TunedSetting* high = &chosen;
     for (const std::size_t i : order) {
       const TunedSetting& other = result.tried[i];
-      const CellComparison comparison =
-          ComparePaired(plan.minimise, other.minimised, chosen.minimised, other.motions,
-                        0.5 * count * (count - 1));
+      const Comparison comparison = ComparePaired(plan.minimise, other.minimised, chosen.minimised,
+                                                  other.motions, PairsOf(count));
       if (comparison.judgement != Judgement::kEqual) continue;
       if (number(other) < number(*low)) low = &other;
       if (number(other) > number(*high)) high = &other;
@@ -214,8 +208,8 @@ void FindEqualRanges(const TunePlan& plan, const std::vector<std::size_t>& order
 
 void FindFront(const TunePlan& plan, TuneResult& result) {
   const Aim aim{MetricIndex("delay_ms"), BoundsOfFront(plan)};
-  const std::size_t delay = PlaceOfMetric(result, MetricIndex("delay_ms"));
-  const std::size_t jitter = PlaceOfMetric(result, MetricIndex("jitter_rms_deg"));
+  const std::size_t delay = PlaceOfMetric(result.metrics, MetricIndex("delay_ms"));
+  const std::size_t jitter = PlaceOfMetric(result.metrics, MetricIndex("jitter_rms_deg"));
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < result.tried.size(); ++i) {
     const TunedSetting& setting = result.tried[i];
@@ -289,8 +283,7 @@ void ChooseByHeldOut(const TunePlan& plan, const TuneBench& bench,
     if (result.verdict.problem.empty() && result.verdict.met < Met::kNo) return;
     ++result.refused;
   }
-  std::vector<std::string> bounds;
-  for (const Constraint& constraint : plan.constraints) bounds.push_back(constraint.Text());
+  const std::vector<std::string> bounds = TextsOf(plan.constraints);
   if (order.empty()) FindNearest(plan, result);
   result.problem =
       order.empty() ? fmt::format("no setting of {} that was tried keeps {}", result.tried.size(),
@@ -353,7 +346,7 @@ std::string BoundScoresText(const TunePlan& plan, const TuneResult& result,
   for (const Constraint& bound : plan.constraints) {
     scores.push_back(
         fmt::format("{} {}", Metrics()[bound.metric].key,
-                    IntervalText(setting.scores[PlaceOfMetric(result, bound.metric)])));
+                    IntervalText(setting.scores[PlaceOfMetric(result.metrics, bound.metric)])));
   }
   return fmt::format("{}", fmt::join(scores, ", "));
 }

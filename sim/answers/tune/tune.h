@@ -65,7 +65,7 @@ struct TuneResult {
   std::size_t chosen = 0;            // of `tried`
   TunedSetting verdict;              // of the chosen one, on the held-out part
   TunedSetting before;               // the controller as the scenario has it, on the same
-  CellComparison gain;               // verdict against before, one of refused + 1 questions
+  Comparison gain;                   // verdict against before, one of refused + 1 questions
   std::vector<EqualRange> equal;     // per free setting: among what was tried
   /// Places in `tried`: the Pareto front of delay and jitter among settings that keep the bounds of
   /// other scores.
@@ -79,9 +79,6 @@ struct TuneResult {
   /// refused and nearest.
   std::string problem = {};
 };
-
-/// The place of a score in `metrics`.
-std::size_t PlaceOfMetric(const TuneResult& result, std::size_t metric);
 
 /// `q=0.012, states=3`: the values of what is free, without the keys of the controller.
 std::string SettingsText(const TunePlan& plan, const std::vector<std::string>& values);

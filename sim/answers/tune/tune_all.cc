@@ -83,14 +83,14 @@ std::size_t ChosenOf(const TunePlan& plan, const std::vector<TunedKind>& kinds, 
     const auto of = [&](std::size_t k) { return sign * FittedOf(kinds[k]).scores.front().mean; };
     if (of(i) < of(best)) best = i;
   }
-  const auto pairs = 0.5 * static_cast<double>(count) * static_cast<double>(count - 1);
+  const double pairs = PairsOf(static_cast<double>(count));
   const auto jitter_of = [&](std::size_t k) {
-    const std::size_t place = PlaceOfMetric(kinds[k].result, MetricIndex("jitter_rms_deg"));
+    const std::size_t place = PlaceOfMetric(kinds[k].result.metrics, MetricIndex("jitter_rms_deg"));
     return FittedOf(kinds[k]).scores[place].mean;
   };
   std::size_t chosen = best;
   for (std::size_t i = 0; i < count; ++i) {
-    const CellComparison to_best =
+    const Comparison to_best =
         ComparePaired(plan.minimise, FittedOf(kinds[i]).minimised, FittedOf(kinds[best]).minimised,
                       FittedOf(kinds[best]).motions, pairs);
     const bool is_equal = i == best || to_best.judgement == Judgement::kEqual;

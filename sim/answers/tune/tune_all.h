@@ -18,7 +18,7 @@ struct TunedKind {
   TunePlan plan;
   TuneResult result;
   /// Against the chosen kind, in the minimised score on the held-out part; "equal" of itself.
-  CellComparison to_best;
+  Comparison to_best;
 
   bool has_answer() const { return left_out.empty() && result.problem.empty(); }
 };

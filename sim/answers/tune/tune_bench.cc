@@ -22,12 +22,6 @@
 namespace gauntlet::sim {
 namespace {
 
-std::vector<std::string> ConstraintTexts(const TunePlan& plan) {
-  std::vector<std::string> texts;
-  for (const Constraint& constraint : plan.constraints) texts.push_back(constraint.Text());
-  return texts;
-}
-
 /// All that another process has to know of a setting, but for the plan.
 struct AboutSetting {
   int first_seed = 1;
@@ -95,7 +89,7 @@ TunedSetting TuneBench::Run(const std::vector<std::string>& values,
   if (plan_.memo == nullptr) return Measure(values, progress);
   const std::string question = fmt::format(
       "{}\n{}\n{}\n{} {} {}", fmt::join(source_.overrides, "\n"), fmt::join(values, " "),
-      fmt::join(metrics_, " "), seeds_, plan_.physics, fmt::join(ConstraintTexts(plan_), " "));
+      fmt::join(metrics_, " "), seeds_, plan_.physics, fmt::join(TextsOf(plan_.constraints), " "));
   if (auto known = plan_.memo->Find(question)) return *std::move(known);
   TunedSetting setting = Measure(values, progress);
   plan_.memo->Keep(question, setting);
@@ -214,8 +208,8 @@ void TuneBench::Score(const StudyResult& result, TunedSetting& setting) const {
     setting.minimised = values.front();
   }
   for (const Constraint& constraint : plan_.constraints) {
-    const auto place = std::ranges::find(metrics_, constraint.metric) - metrics_.begin();
-    setting.met = std::max(setting.met, IsMet(constraint, setting.scores[place]));
+    setting.met = std::max(
+        setting.met, IsMet(constraint, setting.scores[PlaceOfMetric(metrics_, constraint.metric)]));
   }
 }
 

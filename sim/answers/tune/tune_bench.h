@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/answers/tune/filter_search.h"
 #include "sim/answers/tune/tune.h"
 #include "sim/study/elsewhere.h"
+#include "sim/study/scenario/filter_input.h"
 #include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
 

@@ -95,14 +95,8 @@ int TuneSplit::BlocksOf(TunePart part) const {
 }
 
 std::string TuneSplit::Noun() const {
-  switch (by) {
-    case By::kRecordings:
-      return "recordings";
-    case By::kBlocks:
-      return "blocks";
-    default:
-      return "seeds";
-  }
+  constexpr const char* kNouns[] = {"seeds", "recordings", "blocks"};
+  return kNouns[static_cast<std::size_t>(by)];
 }
 
 std::string TuneSplit::Text(TunePart part) const {

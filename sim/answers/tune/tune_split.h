@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "sim/score/counted_ticks.h"
-#include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
 

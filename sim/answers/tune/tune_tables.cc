@@ -36,7 +36,7 @@ Json SettingJson(const TunePlan& plan, const TuneResult& result, const TunedSett
   return JsonOf(SettingsTable(plan, result, {setting}))[0];
 }
 
-Json ComparisonJson(const CellComparison& comparison) {
+Json ComparisonJson(const Comparison& comparison) {
   Json json = JsonOf(comparison.difference);
   json["verdict"] = JudgementText(comparison.judgement);
   return json;
@@ -195,8 +195,7 @@ void AddDoubts(const TunePlan& plan, const TuneResult& result, Verdict& verdict)
 
 /// "keeps jitter_rms_deg<=0.1; closest is ..": why no kind has an answer.
 std::string WhyNoKind(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
-  std::vector<std::string> bounds;
-  for (const Constraint& constraint : plan.constraints) bounds.push_back(constraint.Text());
+  const std::vector<std::string> bounds = TextsOf(plan.constraints);
   const TunedKind* const nearest = NearestKind(kinds);
   const auto refused =
       std::ranges::find_if(kinds, [](const TunedKind& tuned) { return tuned.result.refused > 0; });
@@ -222,7 +221,7 @@ std::string WorseForNothing(const TuneResult& result) {
   }
   for (std::size_t m = 0; m < result.metrics.size(); ++m) {
     const std::size_t metric = result.metrics[m];
-    if (std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) == 0) continue;
+    if (!IsPrimary(metric)) continue;
     const double before = result.before.scores[m].mean;
     const double tuned = result.verdict.scores[m].mean;
     if (tuned - before > RelevantDifferenceBetween(Metrics()[metric], before, tuned)) {
@@ -347,7 +346,7 @@ std::string TuneJson(const TunePlan& plan, const TuneResult& result) {
   return json.dump(1) + "\n";
 }
 
-std::string TuneAllCsv(const std::vector<TunedKind>& kinds) {
+std::string TuneCsv(const TunePlan&, const std::vector<TunedKind>& kinds) {
   ResultTable table{.columns = {OnlyInCsv("filter"), OnlyInCsv("settings"), OnlyInCsv("front")}};
   std::ranges::move(ScoreColumns(kinds.front().result.metrics), std::back_inserter(table.columns));
   for (const TunedKind& tuned : kinds) {
@@ -362,7 +361,7 @@ std::string TuneAllCsv(const std::vector<TunedKind>& kinds) {
   return CsvOf(table);
 }
 
-std::string TuneAllJson(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
+std::string TuneJson(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
   Json json = AskedJson(plan, SplitOfKinds(kinds));
   json["verdict"] = JsonOf(VerdictOf(plan, kinds));
   json["filters"] = Json::array();
@@ -431,7 +430,7 @@ ResultText TuneText(const TunePlan& plan, const TuneResult& result, bool verbose
   return text;
 }
 
-ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds, bool verbose) {
+ResultText TuneText(const TunePlan& plan, const std::vector<TunedKind>& kinds, bool verbose) {
   ResultTable table{.columns = {ForPeople("filter")}};
   std::ranges::move(MetricColumns(kinds.front().result.metrics, ""),
                     std::back_inserter(table.columns));

@@ -25,8 +25,8 @@ Verdict VerdictOf(const TunePlan& plan, const std::vector<TunedKind>& kinds);
 std::string TuneCsv(const TunePlan& plan, const TuneResult& result);
 std::string TuneJson(const TunePlan& plan, const TuneResult& result);
 /// Row per kind of filter: `tune --all`.
-std::string TuneAllCsv(const std::vector<TunedKind>& kinds);
-std::string TuneAllJson(const TunePlan& plan, const std::vector<TunedKind>& kinds);
+std::string TuneCsv(const TunePlan& plan, const std::vector<TunedKind>& kinds);
+std::string TuneJson(const TunePlan& plan, const std::vector<TunedKind>& kinds);
 
 /// A key without the controllers.<name>. before it.
 std::string KeyInController(const TunePlan& plan, std::size_t axis);
@@ -45,6 +45,6 @@ std::string SplitText(const TuneSplit& split);
 const TuneSplit& SplitOfKinds(const std::vector<TunedKind>& kinds);
 
 /// The result of `tune --all` for people: a row per kind of filter, the chosen one first.
-ResultText TuneAllText(const TunePlan& plan, const std::vector<TunedKind>& kinds, bool verbose);
+ResultText TuneText(const TunePlan& plan, const std::vector<TunedKind>& kinds, bool verbose);
 
 }  // namespace gauntlet::sim

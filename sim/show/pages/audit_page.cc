@@ -1,5 +1,3 @@
-#include "sim/show/pages/pages.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,9 +10,11 @@
 #include "sim/fit/audit.h"
 #include "sim/fit/fit_tables.h"
 #include "sim/results/html_text.h"
+#include "sim/results/table_text.h"
 #include "sim/show/figure/panel.h"
 #include "sim/show/pages/cells_chart.h"
 #include "sim/show/pages/cells_page.h"
+#include "sim/show/pages/pages.h"
 #include "sim/show/pages/plain_page.h"
 #include "sim/show/pages/svg_chart.h"
 
@@ -157,8 +157,7 @@ std::string AuditPage(const Audit& audit) {
       .title = audit.name,
       .question = "What are the commands, and how large are delay and offset of each part?",
       .numbers = NumbersOf(audit),
-      .facts = fmt::format("{} part{} · {}", audit.parts.size(), audit.parts.size() == 1 ? "" : "s",
-                           ExtentText(audit))};
+      .facts = fmt::format("{} · {}", Counted(std::ssize(audit.parts), "part"), ExtentText(audit))};
   SetAnswer(VerdictOf(audit, "below"), head);
   std::string sections;
   if (const std::string delays = DelaySvg(audit); !delays.empty()) {

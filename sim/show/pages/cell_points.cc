@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/score/metrics.h"
+#include "sim/answers/sweep/sweep_result.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -71,8 +71,7 @@ std::vector<HeatMap> CellPoints::HeatMaps() const {
 }
 
 double CellPoints::RankOf(const CellPoint& point) const {
-  const auto place = std::ranges::find(metrics_, best_by_) - metrics_.begin();
-  const double score = point.scores[static_cast<std::size_t>(place)];
+  const double score = point.scores[PlaceOfMetric(metrics_, best_by_)];
   if (std::isnan(score)) return std::numeric_limits<double>::infinity();
   return Metrics()[best_by_].lower_is_better ? score : -score;
 }

@@ -38,8 +38,7 @@ std::vector<std::size_t> DrawnScores(const CellPoints& gathered) {
 /// Badness of the points in the score that decides: 0 best, 1 worst of those that keep all bounds;
 /// NaN without a score.
 std::vector<double> SharesOf(const CellPoints& gathered) {
-  const auto place = std::ranges::find(gathered.metrics(), gathered.best_by());
-  const auto m = static_cast<std::size_t>(place - gathered.metrics().begin());
+  const std::size_t m = PlaceOfMetric(gathered.metrics(), gathered.best_by());
   Extent range;
   for (const CellPoints::Kept& kept : gathered.kept()) {
     if (kept.point.keeps_bounds) range.Include(kept.point.scores[m]);
@@ -100,9 +99,8 @@ std::vector<ChartAxis> AxesOf(const CellPoints& gathered, const std::vector<std:
 
 /// A score of a point; NaN if the study does not have it.
 double ScoreOf(const CellPoints& gathered, const CellPoint& point, std::string_view metric) {
-  const auto found = std::ranges::find(gathered.metrics(), MetricIndex(metric));
-  if (found == gathered.metrics().end()) return kNaN;
-  return point.scores[static_cast<std::size_t>(found - gathered.metrics().begin())];
+  const std::size_t place = PlaceOfMetric(gathered.metrics(), MetricIndex(metric));
+  return place < point.scores.size() ? point.scores[place] : kNaN;
 }
 
 std::vector<ChartPoint> PointsOf(const CellPoints& gathered, const std::vector<ChartAxis>& axes,
@@ -259,9 +257,7 @@ std::string CellsPage(const CellPoints& gathered, const CellsPageTexts& texts) {
 }
 
 std::string BoundsText(const std::vector<Constraint>& constraints) {
-  std::vector<std::string> bounds;
-  for (const Constraint& constraint : constraints) bounds.push_back(constraint.Text());
-  return bounds.empty() ? "" : fmt::format(" · {}", fmt::join(bounds, ", "));
+  return constraints.empty() ? "" : fmt::format(" · {}", fmt::join(TextsOf(constraints), ", "));
 }
 
 std::vector<double> MeansOf(const std::vector<MeanInterval>& scores) {

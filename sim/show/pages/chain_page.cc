@@ -1,5 +1,3 @@
-#include "sim/show/pages/pages.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,8 +7,11 @@
 
 #include "sim/fit/chain_episodes.h"
 #include "sim/fit/fit_tables.h"
+#include "sim/fit/identified_hand.h"
 #include "sim/results/html_text.h"
+#include "sim/results/table_text.h"
 #include "sim/show/pages/cells_page.h"
+#include "sim/show/pages/pages.h"
 #include "sim/show/pages/plain_page.h"
 #include "sim/show/pages/svg_chart.h"
 
@@ -156,12 +157,12 @@ std::string ChainPage(const ChainResult& result, const IdentifiedChain& chain,
           : "Both follow the same command. A difference is motion that the fitted model does not "
             "contain, such as a contact or a motor at its torque limit.",
       figures);
-  PageHead head{.kind = "Gauntlet identify",
-                .title = NameOf(log),
-                .question = "How large is the delay of each joint behind its command, and why?",
-                .numbers = NumbersOf(fits, log.unit_known ? "deg" : "units"),
-                .facts = fmt::format("{} part{} · {}", log.parts.size(),
-                                     log.parts.size() == 1 ? "" : "s", ExtentText(result))};
+  PageHead head{
+      .kind = "Gauntlet identify",
+      .title = NameOf(log),
+      .question = "How large is the delay of each joint behind its command, and why?",
+      .numbers = NumbersOf(fits, log.unit_known ? "deg" : "units"),
+      .facts = fmt::format("{} · {}", Counted(std::ssize(log.parts), "part"), ExtentText(result))};
   SetAnswer(VerdictOf(result, chain, file), head);
   return PlainPage({.head = std::move(head),
                     .heading = "Result",

@@ -75,10 +75,6 @@ std::string MethodText(const StudyDifference& difference) {
   return "";
 }
 
-std::string Count(std::size_t count, const std::string& what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 /// "delay of mean_20 41 -> 62 ms (worse)"
 std::string ChangeSentence(const ScoreDifference& score) {
   const auto value = [&](double number) {
@@ -92,10 +88,8 @@ std::string ChangeSentence(const ScoreDifference& score) {
 
 /// Relevant differences of primary scores before all others, then the larger.
 std::pair<bool, double> Importance(const ScoreDifference& score) {
-  const bool is_primary = std::ranges::any_of(
-      PrimaryScores(), [&](const PrimaryScore& primary) { return primary.metric == score.metric; });
   const double size = SizeOf(score);
-  return {is_primary && size >= 1.0, size};
+  return {IsPrimary(score.metric) && size >= 1.0, size};
 }
 
 /// The answer; `largest` begins with the largest differences.
@@ -104,14 +98,15 @@ std::string AnswerOf(const StudyDifference& difference, const std::vector<ScoreD
   const std::size_t names =
       difference.controllers_only_in_a.size() + difference.controllers_only_in_b.size() +
       difference.channels_only_in_a.size() + difference.channels_only_in_b.size();
-  const std::string scores = Count(difference.scores.size(), "score") + of_seeds;
+  const std::string scores = Counted(std::ssize(difference.scores), "score") + of_seeds;
   if (difference.Same()) {
     return fmt::format("Same: equal settings, and {} without a difference{}.", scores,
                        difference.method == DifferenceMethod::kPlain ? "" : " beyond chance");
   }
   const std::size_t changed = difference.ChangedScores();
-  std::string text = fmt::format("Different: {} and {} of {}",
-                                 Count(difference.settings.size(), "setting"), changed, scores);
+  std::string text =
+      fmt::format("Different: {} and {} of {}", Counted(std::ssize(difference.settings), "setting"),
+                  changed, scores);
   if (names > 0) text += fmt::format("; {} in one of them only", names);
   if (changed == 0) return text + ".";
   constexpr std::size_t kMost = 3;

@@ -18,6 +18,12 @@ std::string Percent(double share) {
   return fmt::format("{:.0f} %", std::round(100.0 * share) + 0.0);
 }
 
+ResultColumn CauseColumn(std::string_view cause) {
+  std::string heading(cause);
+  std::ranges::replace(heading, ' ', kBreak);
+  return ForPeople(heading);
+}
+
 }  // namespace
 
 std::vector<double> ErrorByCause(const ControllerSummary& controller) {
@@ -47,9 +53,7 @@ ResultTable ErrorSplitTable(const Summary& summary) {
   ResultTable table{.columns = {ForPeople("of squared error")}};
   const std::vector<std::size_t> shown = ShownCauses(summary);
   for (const std::size_t cause : shown) {
-    std::string heading(TrackingErrorParts()[cause].name);
-    std::ranges::replace(heading, ' ', kBreak);
-    table.columns.push_back(ForPeople(heading));
+    table.columns.push_back(CauseColumn(TrackingErrorParts()[cause].name));
   }
   for (const auto& [c, name] : ControllerRows(summary)) {
     const std::vector<double> parts = ErrorByCause(summary.controllers[c]);
@@ -81,9 +85,7 @@ std::string SharesNote(const Summary& summary) {
 ResultTable SwitchedTable(const Summary& summary) {
   ResultTable table{.columns = {ForPeople("deg RMS without"), ForPeople("nothing")}};
   for (const CauseMetric& error : SwitchedErrors()) {
-    std::string heading(error.name);
-    std::ranges::replace(heading, ' ', kBreak);
-    table.columns.push_back(ForPeople(heading));
+    table.columns.push_back(CauseColumn(error.name));
   }
   for (const auto& [c, name] : ControllerRows(summary)) {
     const std::vector<MeanInterval>& values = summary.controllers[c].summary;

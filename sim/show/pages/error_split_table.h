@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/answers/compare/summary.h"
-#include "sim/results/table_text.h"
+#include "sim/results/result_table.h"
 
 namespace gauntlet::sim {
 

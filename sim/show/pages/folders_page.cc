@@ -1,5 +1,3 @@
-#include "sim/show/pages/pages.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,6 +8,7 @@
 
 #include "controller/assert.h"
 #include "sim/answers/compare/study_difference.h"
+#include "sim/answers/compare/study_folder.h"
 #include "sim/results/html_text.h"
 #include "sim/results/result_table.h"
 #include "sim/score/no_score.h"
@@ -19,6 +18,7 @@
 #include "sim/show/figure/panel.h"
 #include "sim/show/pages/cells_page.h"
 #include "sim/show/pages/difference_table.h"
+#include "sim/show/pages/pages.h"
 #include "sim/show/pages/plain_page.h"
 
 namespace gauntlet::sim {
@@ -65,16 +65,8 @@ ResultTable SettingsTable(const std::vector<StudyFolder>& folders,
 double MeanOf(const StudyFolder& folder, const std::string& controller, std::size_t metric) {
   const auto found = std::ranges::find(folder.scores.controllers, controller);
   if (found == folder.scores.controllers.end()) return kNoScore;
-  double sum = 0.0;
-  int count = 0;
-  for (const double value :
-       folder.scores
-           .summary[static_cast<std::size_t>(found - folder.scores.controllers.begin())][metric]) {
-    if (!std::isfinite(value)) continue;
-    sum += value;
-    ++count;
-  }
-  return count == 0 ? kNoScore : sum / count;
+  const auto place = static_cast<std::size_t>(found - folder.scores.controllers.begin());
+  return MeanOfFinite(folder.scores.summary[place][metric]);
 }
 
 char MarkOf(const StudyDifference& difference, const std::string& controller, std::size_t metric) {
@@ -188,10 +180,6 @@ std::vector<HeadNumber> NumbersOf(const StudyDifference& difference, const std::
   return numbers;
 }
 
-std::string Counted(std::size_t count, const std::string& what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 /// Leaves the seeds that all folders have, or all of each where there are none. Returns a sentence
 /// on the means.
 std::string KeepCommonSeeds(std::vector<StudyFolder>& folders) {
@@ -211,12 +199,12 @@ std::string FoldersPage(std::vector<StudyFolder> folders) {
   GAUNTLET_ASSERT(folders.size() >= 2);
   std::vector<std::string> names, facts;
   PageHead head{.kind = "Gauntlet report",
-                .title = fmt::format("{} side by side", Counted(folders.size(), "folder"))};
+                .title = fmt::format("{} side by side", Counted(std::ssize(folders), "folder"))};
   std::string answer;
   for (std::size_t i = 0; i < folders.size(); ++i) {
     names.push_back(folders[i].name);
     facts.push_back(fmt::format("{}: {}, {}", folders[i].name, folders[i].scenario.name,
-                                Counted(folders[i].scores.seeds.size(), "seed")));
+                                Counted(std::ssize(folders[i].scores.seeds), "seed")));
     if (i == 0) continue;
     const StudyDifference difference = CompareStudies(folders[0], folders[i]);
     if (folders.size() > 2) answer += fmt::format("{}{}: ", i == 1 ? "" : " ", folders[i].name);

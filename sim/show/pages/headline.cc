@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "sim/answers/sweep/sweep_result.h"
 #include "sim/results/html_text.h"
 #include "sim/results/table_text.h"
 #include "sim/score/priority.h"
@@ -118,10 +119,9 @@ std::vector<HeadNumber> NumbersOf(const std::vector<std::size_t>& metrics,
                                   const std::string& note) {
   std::vector<HeadNumber> numbers;
   for (const auto& [word, metric] : PrimaryScores()) {
-    const auto found = std::ranges::find(metrics, metric);
-    if (found == metrics.end()) continue;
-    const MeanInterval& score = scores[static_cast<std::size_t>(found - metrics.begin())];
-    if (std::isfinite(score.mean)) numbers.push_back(NumberOf(metric, score, note));
+    const std::size_t place = PlaceOfMetric(metrics, metric);
+    if (place == metrics.size() || !std::isfinite(scores[place].mean)) continue;
+    numbers.push_back(NumberOf(metric, scores[place], note));
   }
   if (numbers.empty() && !metrics.empty()) {
     numbers.push_back(NumberOf(metrics.front(), scores.front(), note));

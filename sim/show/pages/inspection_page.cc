@@ -1,5 +1,3 @@
-#include "sim/show/pages/pages.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,11 +7,13 @@
 
 #include "sim/base/text.h"
 #include "sim/recordings/inspect/health.h"
+#include "sim/recordings/inspect/inspection.h"
 #include "sim/recordings/inspect/inspection_tables.h"
 #include "sim/recordings/inspect/starter_files.h"
 #include "sim/results/html_text.h"
 #include "sim/show/pages/cells_page.h"
 #include "sim/show/pages/channel_chart.h"
+#include "sim/show/pages/pages.h"
 #include "sim/show/pages/plain_page.h"
 
 namespace gauntlet::sim {

@@ -1,5 +1,3 @@
-#include "sim/show/pages/pages.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,11 +7,14 @@
 
 #include "sim/base/json.h"
 #include "sim/hand/camera_view.h"
+#include "sim/live/live_session.h"
 #include "sim/live/session_scores.h"
 #include "sim/results/html_text.h"
 #include "sim/show/figure/palette.h"
 #include "sim/show/pages/assets.h"
+#include "sim/show/pages/pages.h"
 #include "sim/show/pages/replay_data.h"
+#include "sim/study/study.h"
 
 namespace gauntlet::sim {
 namespace {

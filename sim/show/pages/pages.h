@@ -37,7 +37,7 @@ std::string TunePage(const TunePlan& plan, const TuneResult& result);
 
 /// Page of `gauntlet tune --all`: the fronts of all kinds of filters in one picture. A point is a
 /// setting that was tried.
-std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kinds);
+std::string TunePage(const TunePlan& plan, const std::vector<TunedKind>& kinds);
 
 /// Page of `gauntlet robust`, with a tornado for each score. The command that repeats a hand begins
 /// with the scenario as it was resolved, which lies beside the page.

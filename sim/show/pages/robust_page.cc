@@ -1,15 +1,15 @@
-#include "sim/show/pages/pages.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "sim/answers/robust/robust.h"
 #include "sim/answers/robust/robust_tables.h"
 #include "sim/answers/sweep/sweep_tables.h"
 #include "sim/score/priority.h"
 #include "sim/score/statistics/result_cells.h"
 #include "sim/show/pages/cells_page.h"
 #include "sim/show/pages/interval_chart.h"
+#include "sim/show/pages/pages.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -77,12 +77,12 @@ std::string RobustPage(const RobustPlan& plan, SweepDatabase& database,
   }
   const ResultText text = RobustText(plan, result, false);
   const ResultText verbose = RobustText(plan, result, true);
-  PageHead head{.kind = "Gauntlet robust",
-                .title = plan.sweep.file.name,
-                .question = "Does the verdict hold on other hands?",
-                .numbers = SharesOf(plan, result),
-                .facts = fmt::format("{} hands · {} seed{}", plan.hands, plan.sweep.file.seeds,
-                                     plan.sweep.file.seeds == 1 ? "" : "s")};
+  PageHead head{
+      .kind = "Gauntlet robust",
+      .title = plan.sweep.file.name,
+      .question = "Does the verdict hold on other hands?",
+      .numbers = SharesOf(plan, result),
+      .facts = fmt::format("{} hands · {}", plan.hands, Counted(plan.sweep.file.seeds, "seed"))};
   SetAnswer(VerdictOf(plan, result), head);
   return CellsPage(gathered,
                    {.head = std::move(head),

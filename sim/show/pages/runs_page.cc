@@ -1,5 +1,3 @@
-#include "sim/show/pages/pages.h"
-
 #include <fmt/format.h>
 
 #include <cctype>
@@ -12,8 +10,10 @@
 #include "sim/base/json.h"
 #include "sim/base/limited_text.h"
 #include "sim/results/html_text.h"
+#include "sim/results/runs.h"
 #include "sim/show/figure/panel.h"
 #include "sim/show/pages/cells_page.h"
+#include "sim/show/pages/pages.h"
 #include "sim/show/pages/plain_page.h"
 
 namespace gauntlet::sim {

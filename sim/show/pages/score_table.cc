@@ -78,10 +78,6 @@ ResultTable MeansTable(const Summary& summary) {
   return table;
 }
 
-bool IsPrimary(std::size_t metric) {
-  return std::ranges::count(PrimaryScores(), metric, &PrimaryScore::metric) > 0;
-}
-
 /// Some scores of some controllers, with their roles in the verdict.
 ResultTable TableOf(const Summary& summary, const std::vector<ControllerRow>& controllers,
                     const std::vector<std::size_t>& metrics) {

@@ -1,12 +1,13 @@
-#include "sim/show/pages/pages.h"
-
 #include <fmt/format.h>
 
+#include "sim/answers/sweep/response.h"
+#include "sim/answers/sweep/sweep_result.h"
 #include "sim/answers/sweep/sweep_tables.h"
 #include "sim/results/html_text.h"
 #include "sim/score/statistics/result_cells.h"
 #include "sim/show/pages/cells_page.h"
 #include "sim/show/pages/interval_chart.h"
+#include "sim/show/pages/pages.h"
 #include "sim/study/scenario/scenario_reader.h"
 
 namespace gauntlet::sim {
@@ -63,9 +64,9 @@ std::string SweepPage(const SweepPlan& plan, SweepDatabase& database, const Cell
   PageHead head{.kind = "Gauntlet sweep",
                 .title = plan.file.name,
                 .question = plan.file.question,
-                .facts = fmt::format("{} settings · {} seed{} · best by {}{}{}", plan.cell_count(),
-                                     plan.file.seeds, plan.file.seeds == 1 ? "" : "s",
-                                     ScoreName(plan.best_by), BoundsText(plan.constraints),
+                .facts = fmt::format("{} settings · {} · best by {}{}{}", plan.cell_count(),
+                                     Counted(plan.file.seeds, "seed"), ScoreName(plan.best_by),
+                                     BoundsText(plan.constraints),
                                      plan.file.physics ? "" : " · filters only, no hand")};
   const Verdict verdict = VerdictOf(plan, summary);
   SetAnswer(verdict, head);

@@ -1,15 +1,15 @@
-#include "sim/show/pages/pages.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "sim/answers/sweep/sweep_tables.h"
+#include "sim/answers/tune/tune_all.h"
 #include "sim/answers/tune/tune_tables.h"
 #include "sim/score/statistics/result_cells.h"
 #include "sim/show/pages/cells_page.h"
 #include "sim/show/pages/front_chart.h"
+#include "sim/show/pages/pages.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -73,9 +73,7 @@ std::vector<HeadNumber> NumbersOf(const TunePlan& plan, const TuneResult& result
       const double before = result.before.scores[m].mean;
       number.note = fmt::format("before {}", ScoreValue(metric, before));
       if (metric != plan.minimise || !std::isfinite(result.gain.difference.low)) continue;
-      number = NumberOf(metric,
-                        {.difference = result.gain.difference, .judgement = result.gain.judgement},
-                        result.verdict.scores[m].mean, before, "before");
+      number = NumberOf(metric, result.gain, result.verdict.scores[m].mean, before, "before");
     }
   }
   return numbers;
@@ -129,7 +127,7 @@ std::string TunePage(const TunePlan& plan, const TuneResult& result) {
                               .details = {verbose.begin() + std::ssize(text), verbose.end()}});
 }
 
-std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
+std::string TunePage(const TunePlan& plan, const std::vector<TunedKind>& kinds) {
   ChartAxis axis{.name = "filter"};
   std::int64_t all = 0;
   for (const TunedKind& tuned : kinds) {
@@ -161,7 +159,7 @@ std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kind
       const auto& kept = points.kept();
       const auto found = std::ranges::find(kept, numbers[k][i], &CellPoints::Kept::number);
       const auto score = [&](std::string_view metric) {
-        return result.tried[i].scores[PlaceOfMetric(result, MetricIndex(metric))].mean;
+        return result.tried[i].scores[PlaceOfMetric(result.metrics, MetricIndex(metric))].mean;
       };
       return FrontSeries::Place{
           .delay_ms = score("delay_ms"),
@@ -192,8 +190,8 @@ std::string TuneAllPage(const TunePlan& plan, const std::vector<TunedKind>& kind
   return CellsPage(
       points,
       {.head = std::move(head),
-       .text = TuneAllText(plan, kinds, false),
-       .details = TextBehindAnswer(TuneAllText(plan, kinds, true)),
+       .text = TuneText(plan, kinds, false),
+       .details = TextBehindAnswer(TuneText(plan, kinds, true)),
        .first_sections = PageSection(
            "fronts", "Jitter against delay, kind by kind",
            "A line joins the settings of one kind that no other of its kind beats in both means, "

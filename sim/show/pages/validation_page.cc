@@ -1,12 +1,12 @@
-#include "sim/show/pages/pages.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
 
+#include "sim/fit/validation.h"
 #include "sim/results/html_text.h"
 #include "sim/show/pages/cells_page.h"
+#include "sim/show/pages/pages.h"
 #include "sim/show/pages/plain_page.h"
 #include "sim/show/pages/svg_chart.h"
 
