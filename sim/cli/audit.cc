@@ -1,5 +1,4 @@
 #include "sim/fit/audit.h"
-
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -20,14 +19,8 @@ struct AuditOptions {
   static constexpr auto kPurpose = "Check commands, delays, offsets of a data set";
   static constexpr auto kGroup = Group::kMeasure;
   std::string log;
-  std::string array;
-  std::string command;  // topics
-  std::string state;
-  std::string map;
-  std::string unit;
-  std::string time_unit;  // of a column of numbers; empty: by the file
-  double rate_hz = 0.0;   // of even rows; 0: by the time
-  int episode = -1;       // below 0: all
+  ChainLogOptions table;
+  int episode = -1;  // below 0: all
   std::string out;
   bool json = false;
   bool verbose = false;
@@ -39,16 +32,16 @@ struct AuditOptions {
                  "LeRobot folder or table with a command and a measured angle for each joint or "
                  "motor, as for identify"),
         OutOption(out, "page to write [none]", "FILE.html"),
-        ArrayOptions(array),
-        TopicPairOptions(command, state),
-        Option("--map", &map, {.value = "FILE.csv", .offer = Offer::kFiles},
+        ArrayOptions(table.array),
+        TopicPairOptions(table.command, table.state),
+        Option("--map", &table.map, {.value = "FILE.csv", .offer = Offer::kFiles},
                "column map: columns with the channels command and angle, their joint in the key "
                "joint [by names]"),
-        UnitOption(unit, {"deg", "rad"},
+        UnitOption(table.unit, {"deg", "rad"},
                    "unit of the angles, if the names of the columns have none"),
-        TimeUnitOption(time_unit, {"--map"}),
+        TimeUnitOption(table.time_unit, {"--map"}),
         Option("--episode", &episode, {.value = "N"}, "audit one episode [all]"),
-        Option("--rate", &rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
+        Option("--rate", &table.rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
                "rate of even rows, in a log without a time"),
         Option("--json", &json, {}, "print JSON instead of the table, with all episodes"),
         VerboseOption(verbose, "also print all parts, all faults and ignored columns"),
@@ -87,18 +80,10 @@ Example:
 void RunAudit(const AuditOptions& options) {
   const std::filesystem::path page = options.out;
   if (!page.empty()) RefuseInput(page);
+  ChainLogOptions table = options.table;
+  if (options.episode >= 0) table.episode = options.episode;
   Progress bar("gauntlet audit");
-  const Audit audit =
-      AuditLog(options.log,
-               {.array = options.array,
-                .map = options.map,
-                .unit = options.unit,
-                .episode = options.episode < 0 ? std::nullopt : std::optional(options.episode),
-                .rate_hz = options.rate_hz,
-                .time_unit = options.time_unit,
-                .command = options.command,
-                .state = options.state},
-               [&](double share) { bar.Update(share, 1.0); });
+  const Audit audit = AuditLog(options.log, table, [&](double share) { bar.Update(share, 1.0); });
   if (!page.empty()) {
     MakeDirectoryOf(page);
     WriteOutputFile(page, AuditPage(audit));

@@ -23,6 +23,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/fit/calibration.h"
+#include "sim/results/table_text.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_writer.h"
 
@@ -328,8 +329,7 @@ void RunPredictorFit(const CalibrateOptions& options) {
   FlushOutput();
   RemarkOnRows(recording);
   if (const std::size_t gaps = recording.stretch_begins.size() - 1; gaps > 0) {
-    Say("gauntlet: {}: {} {}, across which nothing is fitted\n", recording.name, gaps,
-        gaps == 1 ? "gap" : "gaps");
+    Say("gauntlet: {}: {}, across which nothing is fitted\n", recording.name, Counted(gaps, "gap"));
   }
   Say("wrote {}\n", target.string());
 }

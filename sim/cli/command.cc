@@ -88,17 +88,8 @@ void AddOption(const Option& option, CLI::App& command) {
 }
 
 std::string HeadingOf(Group group) {
-  switch (group) {
-    case Group::kEveryday:
-      return "Everyday";
-    case Group::kMeasure:
-      return "Measure a glove or a hand";
-    case Group::kStudy:
-      return "Studies";
-    case Group::kOther:
-      break;
-  }
-  return "Other";
+  constexpr const char* kHeadings[] = {"Everyday", "Measure a glove or a hand", "Studies", "Other"};
+  return kHeadings[static_cast<std::size_t>(group)];
 }
 
 /// Line of the short help.

@@ -25,6 +25,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/cli/stream_table.h"
 #include "sim/recordings/time_guess.h"
+#include "sim/results/table_text.h"
 #include "sim/settings/libraries/like_filter.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/tables/csv_reader.h"
@@ -329,8 +330,8 @@ void RunFilter(const FilterOptions& options) {
   }
   stream.Finish();
   if (table.left_out && *table.left_out > 0) {
-    Say("gauntlet: standard input: {} line{} without all labels left out\n", *table.left_out,
-        *table.left_out == 1 ? "" : "s");
+    Say("gauntlet: standard input: {} without all labels left out\n",
+        Counted(*table.left_out, "line"));
   }
 }
 

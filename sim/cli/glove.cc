@@ -8,7 +8,6 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/study_command.h"
 #include "sim/live/device/frame_sink.h"
 #include "sim/live/glove_player.h"
 #include "sim/settings/yaml_reader.h"

@@ -27,30 +27,24 @@ namespace {
 /// Common part of both commands.
 struct LogOptions {
   std::string log;
-  std::string array;    // of a file with several
-  std::string command;  // topics
-  std::string state;
-  std::string map;        // column map
-  std::string unit;       // of columns whose names have none
-  std::string time_unit;  // of a column of numbers; empty: by the file
-  double rate_hz = 0.0;   // of even rows; 0: by the time
-  std::string hand;       // of a validation; empty: a joint and a servo for each part
-  std::string out;        // empty: out/<log>.chain.yaml, or out/<log>.validation.html
+  ChainLogOptions table;
+  std::string hand;  // of a validation; empty: a joint and a servo for each part
+  std::string out;   // empty: out/<log>.chain.yaml, or out/<log>.validation.html
   bool json = false;
   TerminalOptions terminal;
 
   /// All but the log, --out and --hand.
   Options Rows() {
     return {
-        ArrayOptions(array),
-        TopicPairOptions(command, state),
-        Option("--map", &map, {.value = "FILE.csv", .offer = Offer::kFiles},
+        ArrayOptions(table.array),
+        TopicPairOptions(table.command, table.state),
+        Option("--map", &table.map, {.value = "FILE.csv", .offer = Offer::kFiles},
                "column map: columns with the channels command, angle and motor, their joint in the "
                "key joint [by names]"),
-        UnitOption(unit, {"deg", "rad"},
+        UnitOption(table.unit, {"deg", "rad"},
                    "unit of the angles, if the names of the columns have none"),
-        TimeUnitOption(time_unit, {"--map"}),
-        Option("--rate", &rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
+        TimeUnitOption(table.time_unit, {"--map"}),
+        Option("--rate", &table.rate_hz, {.value = "HZ", .range = {0.01, 100000.0}},
                "rate of even rows, in a log without a time"),
         Option("--json", &json, {}, "print JSON instead of the table"),
         terminal.Rows(),
@@ -213,13 +207,7 @@ auto WithProgress(const std::string& name, auto run) {
 void ValidateHand(const LogOptions& options) {
   const fs::path page =
       options.out.empty() ? DefaultOf(options, ".validation.html") : fs::path(options.out);
-  ChainEpisodes episodes = LoadChainEpisodes(options.log, {.array = options.array,
-                                                           .map = options.map,
-                                                           .unit = options.unit,
-                                                           .rate_hz = options.rate_hz,
-                                                           .time_unit = options.time_unit,
-                                                           .command = options.command,
-                                                           .state = options.state});
+  ChainEpisodes episodes = LoadChainEpisodes(options.log, options.table);
   RefuseInput(page);
   const Validation validation = WithProgress("gauntlet validate", [&](const auto& progress) {
     return Validate(std::move(episodes), options.hand, progress);
@@ -245,18 +233,11 @@ void RunIdentify(const IdentifyOptions& options) {
   const fs::path target = TargetOf(options);
   const fs::path hand = BesideTarget(target, ".hand.yaml");
   const fs::path page = BesideTarget(target, ".html");
-  ChainEpisodes episodes = LoadHandLog(
-      options.log,
-      {.controller = options.controller,
-       .from_wearer = options.from == "wearer",
-       .table = {.array = options.array,
-                 .map = options.map,
-                 .unit = options.unit,
-                 .episode = options.episode < 0 ? std::nullopt : std::optional(options.episode),
-                 .rate_hz = options.rate_hz,
-                 .time_unit = options.time_unit,
-                 .command = options.command,
-                 .state = options.state}});
+  HandLogOptions how{.controller = options.controller,
+                     .from_wearer = options.from == "wearer",
+                     .table = options.table};
+  if (options.episode >= 0) how.table.episode = options.episode;
+  ChainEpisodes episodes = LoadHandLog(options.log, how);
   OutputFiles files({.folder = target.parent_path(),
                      .command = "identify",
                      .manifest = BesideTarget(target, ".manifest.json").filename(),

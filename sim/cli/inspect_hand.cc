@@ -7,9 +7,7 @@
 #include <cctype>
 #include <filesystem>
 #include <functional>
-#include <iterator>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -286,14 +284,8 @@ std::string TargetOf(const Drive& drive) {
 }
 
 std::string KindOf(const Drive& drive) {
-  switch (TransmissionOf(drive)) {
-    case Transmission::kDirect:
-      return "direct";
-    case Transmission::kLinkage:
-      return "linkage";
-    default:
-      return "cables";
-  }
+  constexpr const char* kNames[] = {"cables", "direct", "linkage"};
+  return kNames[static_cast<std::size_t>(TransmissionOf(drive))];
 }
 
 std::size_t WidthOf(const std::vector<std::string>& names) {

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <exception>
@@ -21,7 +20,6 @@
 #include "sim/cli/live_files.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/study_command.h"
 #include "sim/live/live_report.h"
 #include "sim/live/live_session.h"
 #include "sim/live/server/live_server.h"

@@ -17,7 +17,6 @@
 #include "sim/cli/progress.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/study_command.h"
 #include "sim/show/video/render_folder.h"
 
 namespace gauntlet::sim {

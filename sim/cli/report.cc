@@ -11,7 +11,6 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/study_command.h"
 #include "sim/show/pages/difference_table.h"
 #include "sim/show/pages/pages.h"
 

@@ -1,7 +1,6 @@
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
-#include "sim/cli/study_command.h"
 #include "sim/results/answer_files.h"
 
 namespace gauntlet::sim {

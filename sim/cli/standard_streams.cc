@@ -45,6 +45,11 @@ void SayLine(std::string_view line) {
   SayText(OneLine(line, kLongestShownByte * line.size()) + "\n");
 }
 
+void WarnIfUnchecked(const std::string& folder, bool checked) {
+  if (checked) return;
+  Say("gauntlet: warning: {} has no manifest.json: its files are not checked\n", folder);
+}
+
 void PrintText(std::string_view text) {
   NoteUnless(std::fwrite(text.data(), 1, text.size(), stdout) == text.size());
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -23,6 +24,9 @@ template <class... Arguments>
 void Say(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
   SayLine(fmt::format(format, std::forward<Arguments>(arguments)...));
 }
+
+/// Tells that an output folder has no manifest, so that its files are not checked.
+void WarnIfUnchecked(const std::string& folder, bool checked);
 
 /// Results, on standard output. CheckOutput() tells if they did not get there.
 void PrintText(std::string_view text);
