@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "sim/answers/compare/comparison_answer.h"
 #include "sim/answers/compare/summary.h"
 
 namespace gauntlet::sim {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/answers/compare/comparison_answer.h"
 #include "sim/answers/compare/recording_blocks.h"
+#include "sim/results/verdict.h"
 #include "sim/score/priority.h"
 #include "sim/score/statistics/judgement.h"
 #include "sim/score/statistics/statistics.h"
@@ -30,6 +30,20 @@ struct ControllerSummary {
   Judgement AgainstBaseline(std::size_t metric) const {
     return metric < to_baseline.size() ? to_baseline[metric].judgement : Judgement::kNone;
   }
+};
+
+/// The answer of a comparison: AnswerOf() makes it once, and every output shows it. Numbers are
+/// places in Summary::controllers. Marks: Summary::MarkOf().
+struct ComparisonAnswer {
+  Verdict verdict;
+  /// Recommended, alternatives, the others by tracking error.
+  std::vector<std::size_t> order;
+  /// For a page and a video, at most three: the baseline, the recommended controller and the first
+  /// alternative. Where nothing is recommended, or nothing to compare it with is among them, the
+  /// next in the order.
+  std::vector<std::size_t> shown;
+  /// Role of each controller: "recommended", "equivalent", "less jitter", "baseline"; may be empty.
+  std::vector<std::string> roles;
 };
 
 /// Means and judgements of a comparison. All pairs of controllers in the primary scores are one

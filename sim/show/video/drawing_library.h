@@ -1,15 +1,26 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
 
 #include "sim/show/video/image.h"
-#include "sim/show/video/off_screen_context.h"
 #include "sim/show/video/painter.h"
 #include "sim/show/video/video_encoder.h"
 
 namespace gauntlet::sim {
+
+/// A context of OpenGL that draws into memory. Pictures are rows from the bottom, from the place
+/// where MuJoCo's renderer draws.
+class OffScreenContext {
+ public:
+  virtual ~OffScreenContext() = default;
+  /// For what is drawn next. Errors: RunError.
+  virtual void MakeCurrent() = 0;
+  virtual void ReadColours(int width_px, int height_px, std::uint32_t* pixels) const = 0;
+  virtual void ReadDepths(int width_px, int height_px, float* depths) const = 0;
+};
 
 /// Functions of Gauntlet that use OSMesa, libav and cairo, in a library of their own: these bring
 /// 150 others along, which take three quarters of the time in which the program starts, and few

@@ -14,10 +14,6 @@ namespace {
 constexpr int kMaxGeoms = 10000;     // of one scene, decorations included
 constexpr int kMaxDrawn_px = 16384;  // the rasteriser's largest picture
 
-struct FreeModel {
-  void operator()(mjModel* model) const { mj_deleteModel(model); }
-};
-
 mjvCamera FixedCamera(int id) {
   mjvCamera camera;
   mjv_defaultCamera(&camera);
@@ -131,7 +127,8 @@ struct OsmesaRenderer::Context {
     off_screen = LoadDrawingLibrary().open_context();
     off_screen->MakeCurrent();
     // The sizes of buffers are part of the model: set them in a copy, which is not kept.
-    const std::unique_ptr<mjModel, FreeModel> copy(mj_copyModel(nullptr, &model));
+    const std::unique_ptr<mjModel, void (*)(mjModel*)> copy(mj_copyModel(nullptr, &model),
+                                                            &mj_deleteModel);
     copy->vis.global.offwidth = drawn_width();
     copy->vis.global.offheight = drawn_height();
     copy->vis.quality.offsamples = 0;
