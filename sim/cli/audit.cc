@@ -1,4 +1,5 @@
 #include "sim/fit/audit.h"
+
 #include <fmt/format.h>
 
 #include <filesystem>
