@@ -24,15 +24,19 @@ VideoFormat SmallFormat() {
   return format;
 }
 
-/// Left half and right half in two greys.
-Image Halves(const VideoFormat& format, std::uint32_t left, std::uint32_t right) {
+/// Left half and right half in two colours.
+Image ColouredHalves(const VideoFormat& format, std::uint32_t left, std::uint32_t right) {
   Image image(format.width_px, format.height_px);
   for (int y = 0; y < image.height_px; ++y) {
     for (int x = 0; x < image.width_px; ++x) {
-      image.Row(y)[x] = 0xff000000u | 0x010101u * (x < image.width_px / 2 ? left : right);
+      image.Row(y)[x] = 0xff000000u | (x < image.width_px / 2 ? left : right);
     }
   }
   return image;
+}
+
+Image Halves(const VideoFormat& format, std::uint32_t left_grey, std::uint32_t right_grey) {
+  return ColouredHalves(format, 0x010101u * left_grey, 0x010101u * right_grey);
 }
 
 std::string MessageOf(const std::function<void()>& action) {
@@ -95,6 +99,32 @@ TEST(VideoEncoder, WritesAGif) {
 
   format.frames_per_s = 60;
   EXPECT_THROW(Encode(folder.path() / "b.gif", format, AddNothing), UserError);
+}
+
+TEST(VideoEncoder, AGifHasNoDitherAndTheColoursOfItsSamples) {
+  const TemporaryFolder folder;
+  VideoFormat format = SmallFormat();
+  format.container = Container::kGif;
+  format.frames_per_s = 10;
+  Image first = ColouredHalves(format, 0xeef1f5, 0xd58dc2);
+  Image second = ColouredHalves(format, 0xeef1f5, 0x172333);
+  format.samples = {first, second};
+  Encode(folder.path() / "a.gif", format, [&](VideoEncoder& encoder) {
+    for (int i = 0; i < 3; ++i) encoder.Add(i == 1 ? second : first);
+  });
+  EXPECT_EQ(ReadVideo(folder.path() / "a.gif").colours, (std::vector<std::size_t>{2, 2, 2}));
+
+  // More colours than a palette has: neighbours share one.
+  Image ramp(format.width_px, format.height_px);
+  for (std::uint32_t i = 0; i < ramp.pixels.size(); ++i) {
+    ramp.pixels[i] = 0xff000000u | (i * 5u & 0xffu) << 16 | (i / 12u & 0xffu) << 8 | 0x80u;
+  }
+  format.samples = {};
+  Encode(folder.path() / "b.gif", format, [&](VideoEncoder& encoder) { encoder.Add(ramp); });
+  const std::vector<std::size_t> colours = ReadVideo(folder.path() / "b.gif").colours;
+  ASSERT_EQ(colours.size(), 1u);
+  EXPECT_GT(colours[0], 200u);
+  EXPECT_LE(colours[0], 255u);
 }
 
 TEST(VideoEncoder, WritesWhatAPlayerExpects) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <set>
 #include <stdexcept>
 
 extern "C" {
@@ -26,6 +27,15 @@ double MeanBrightness(const AVFrame& frame, int begin, int end) {
   return sum / (frame.height * (end - begin));
 }
 
+std::size_t Colours(const AVFrame& frame) {
+  std::set<std::uint32_t> colours;
+  for (int y = 0; y < frame.height; ++y) {
+    const auto* row = reinterpret_cast<const std::uint32_t*>(frame.data[0] + y * frame.linesize[0]);
+    colours.insert(row, row + frame.width);
+  }
+  return colours.size();
+}
+
 struct Decoder {
   AVFormatContext* container = nullptr;
   AVCodecContext* codec = nullptr;
@@ -47,6 +57,7 @@ struct Decoder {
       }
       content.brightness.push_back({MeanBrightness(*frame, 0, frame->width / 2),
                                     MeanBrightness(*frame, frame->width / 2, frame->width)});
+      if (frame->format == AV_PIX_FMT_BGRA) content.colours.push_back(Colours(*frame));
       ++content.frames;
     }
   }

@@ -25,6 +25,8 @@ struct VideoContent {
   bool times_are_even = true;  // frame k is shown at exactly k / frames_per_s
   /// Of each frame, the mean brightness in 0 .. 255 of its left and right half.
   std::vector<std::array<double, 2>> brightness{};
+  /// Of each frame of a GIF, how many colours it has.
+  std::vector<std::size_t> colours{};
 };
 
 /// Throws std::runtime_error if it cannot be decoded.

@@ -104,6 +104,7 @@ ComparisonPicture::ComparisonPicture(const VideoInput& input)
   }
   const AngleScale errors = ScaleOfErrors(), jitter = ScaleOfJitter();
   for (const PaneLayout& pane : layout_.panes) {
+    if (pane.error.height <= 0.0) continue;
     const bool all = pane.jitter_curve.height > 0.0;
     error_plots_.emplace_back(pane.error, layout_.unit, errors, clock_, /*times=*/!all);
     if (!all) continue;
@@ -202,7 +203,7 @@ void ComparisonPicture::DrawBackground() {
     if (role_fits) painter.Text(role, {right, pane.title.y + 25.0 * unit}, small);
     painter.Text(painter.Elide(name, right - left, title), {left, pane.title.y + 25.0 * unit},
                  title);
-    error_plots_[i].DrawScale(painter);
+    if (!error_plots_.empty()) error_plots_[i].DrawScale(painter);
     if (!jitter_plots_.empty()) jitter_plots_[i].DrawScale(painter);
   }
 }
@@ -212,7 +213,9 @@ void ComparisonPicture::DrawHeader(Painter& painter) const {
   const Rect& header = layout_.header;
   const TextStyle title = {.size_px = 19.0 * unit, .bold = true};
   const TextStyle subtitle = {.size_px = 14.0 * unit, .color = palette::kMutedOnLight};
-  const std::string curves = fmt::format("Numbers: mean over {} joints up to now. Curves: {}.",
+  const std::string curves =
+      error_plots_.empty() ? fmt::format("mean of {} joints", measured_joints_.size())
+                           : fmt::format("Numbers: mean over {} joints up to now. Curves: {}.",
                                          measured_joints_.size(), JointTitle(input_.joint_name));
   painter.Text(painter.Elide(input_.title, kTitleShare * header.width, title),
                {header.x, header.y + 27.0 * unit}, title);
@@ -350,9 +353,10 @@ void ComparisonPicture::DrawInset(Painter& painter, int pane, int frame,
   painter.Dot(points.back(), 4.0 * unit, ColourOfPane(input_, pane));
   painter.Unclip();
   painter.Outline(place, ColourOfPane(input_, pane), 2.0 * unit, radius);
-  painter.Text(fmt::format("fingertip x {:g}", HandView::kMagnification),
-               {place.x + radius, place.bottom() + 18.0 * unit},
-               {.size_px = 14.0 * unit, .align = Align::kCenter});
+  const std::string label = fmt::format("fingertip x {:g}", HandView::kMagnification);
+  const TextStyle style = {.size_px = 14.0 * unit, .align = Align::kCenter};
+  const double rightmost = view.right() - gap - 0.5 * painter.TextWidth(label, style);
+  painter.Text(label, {std::min(place.x + radius, rightmost), place.bottom() + 18.0 * unit}, style);
 }
 
 void ComparisonPicture::DrawCurves(Painter& painter, int place, int frame) const {
@@ -361,7 +365,7 @@ void ComparisonPicture::DrawCurves(Painter& painter, int place, int frame) const
     errors.push_back({Column(errors_[pane], 0), ColourOfPane(input_, pane), 2.0, true, true});
     jitter.push_back({Column(jitter_curves_[pane], 0), ColourOfPane(input_, pane), 1.3});
   }
-  error_plots_[place].Draw(painter, frame, errors);
+  if (!error_plots_.empty()) error_plots_[place].Draw(painter, frame, errors);
   if (!jitter_plots_.empty()) jitter_plots_[place].Draw(painter, frame, jitter);
 }
 
@@ -405,11 +409,13 @@ int ComparisonPicture::outline_px() const {
 }
 
 void ComparisonPicture::DrawTitle(ImageView image) const {
-  DrawTitleCard(*OpenPainter(image), FrameOf(input_), layout_.unit, input_.title, input_.question);
+  DrawTitleCard(*OpenPainter(image), FrameOf(input_), layout_.card_unit, input_.title,
+                input_.question);
 }
 
 void ComparisonPicture::DrawVerdict(ImageView image) const {
-  DrawScoreBoard(*OpenPainter(image), FrameOf(input_), layout_.unit, input_.title, input_.verdict);
+  DrawScoreBoard(*OpenPainter(image), FrameOf(input_), layout_.card_unit, input_.title,
+                 input_.verdict);
 }
 
 void ComparisonPicture::Draw(int frame, const DrawnHands& hands, ImageView image) const {

@@ -94,6 +94,16 @@ std::vector<Chapter> ChaptersOf(const VideoInput& input, const FrameClock& clock
   return chapters;
 }
 
+/// Moments all over a video, whose colours it has.
+std::vector<int> SampleFrames(int frame_count) {
+  constexpr int kSamples = 12;
+  std::vector<int> frames;
+  for (int i = 0; i < std::min(kSamples, frame_count); ++i) {
+    frames.push_back(static_cast<int>((i + 0.5) * frame_count / std::min(kSamples, frame_count)));
+  }
+  return frames;
+}
+
 /// Tools of one process to draw frames of a scene: its own context, posture and pictures of hands.
 class FrameArtist {
  public:
@@ -160,6 +170,35 @@ class FrameArtist {
   std::vector<Image> insets_;
 };
 
+/// Draws all frames of a video in one process, with an artist for each scene that it meets.
+class VideoArtist {
+ public:
+  VideoArtist(const Scene& scene, const Scene* again, const FrameRanges& frames,
+              const HandModel& hand)
+      : scene_(scene), again_(again), frames_(frames), hand_(hand) {}
+
+  void Draw(int number, ImageView image) {
+    if (number < frames_.motion) {
+      scene_.picture.DrawTitle(image);
+    } else if (number < frames_.again) {
+      if (!artist_) artist_.emplace(scene_, hand_);
+      artist_->Draw(number - frames_.motion, image);
+    } else if (number < frames_.verdict) {
+      if (!artist_again_) artist_again_.emplace(*again_, hand_);
+      artist_again_->Draw(number - frames_.again, image);
+    } else {
+      scene_.picture.DrawVerdict(image);
+    }
+  }
+
+ private:
+  const Scene& scene_;
+  const Scene* again_;
+  const FrameRanges& frames_;
+  const HandModel& hand_;
+  std::optional<FrameArtist> artist_, artist_again_;
+};
+
 }  // namespace
 
 std::vector<int> MeasuredJointsOf(const VideoInput& input) {
@@ -197,32 +236,25 @@ void WriteComparisonVideo(const VideoInput& input, const HandModel& hand,
        .height_px = input.height_px,
        .jobs = input.jobs},
       [&](Frames& todo) {
-        std::optional<FrameArtist> artist, artist_again;
-        const auto draw = [&](std::optional<FrameArtist>& one, const Scene& of, int number,
-                              ImageView image) {
-          if (!one) one.emplace(of, hand);
-          one->Draw(number, image);
-        };
-        while (const auto frame = todo.Next()) {
-          if (frame->number < frames.motion) {
-            scene.picture.DrawTitle(frame->image);
-          } else if (frame->number < frames.again) {
-            draw(artist, scene, frame->number - frames.motion, frame->image);
-          } else if (frame->number < frames.verdict) {
-            draw(artist_again, *again, frame->number - frames.again, frame->image);
-          } else {
-            scene.picture.DrawVerdict(frame->image);
-          }
-        }
+        VideoArtist artist(scene, again.get(), frames, hand);
+        while (const auto frame = todo.Next()) artist.Draw(frame->number, frame->image);
       },
       [&](Frames& drawn) {
+        std::vector<Image> samples;
+        if (ContainerOf(target) == Container::kGif) {
+          VideoArtist artist(scene, again.get(), frames, hand);
+          for (const int number : SampleFrames(frames.end)) {
+            artist.Draw(number, samples.emplace_back(input.width_px, input.height_px));
+          }
+        }
         const auto encoder =
             OpenVideo(file, {.width_px = input.width_px,
                              .height_px = input.height_px,
                              .frames_per_s = input.frames_per_s,
                              .container = ContainerOf(target),
                              .rate_factor = input.rate_factor,
-                             .chapters = ChaptersOf(input, scene.picture.clock(), frames)});
+                             .chapters = ChaptersOf(input, scene.picture.clock(), frames),
+                             .samples = {samples.begin(), samples.end()}});
         while (const auto frame = drawn.Next()) encoder->Add(frame->image);
         encoder->Finish();
       },

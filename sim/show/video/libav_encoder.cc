@@ -1,9 +1,14 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstddef>
+#include <optional>
+#include <span>
 
 #include "sim/base/error.h"
 #include "sim/show/video/drawing_library.h"
+#include "sim/show/video/gif_palette.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -71,7 +76,8 @@ class LibavEncoder final : public VideoEncoder {
 
   void Open() {
     OpenCodec();
-    OpenConverter();
+    if (!is_gif()) OpenConverter();
+    OpenFrame();
     OpenContainer();
   }
 
@@ -82,9 +88,7 @@ class LibavEncoder final : public VideoEncoder {
                                  settings_.height_px));
     }
     Check(av_frame_make_writable(frame_), "reserve memory for a frame");
-    const std::uint8_t* rows[] = {reinterpret_cast<const std::uint8_t*>(image.pixels)};
-    const int strides[] = {4 * image.width_px};
-    sws_scale(converter_, rows, strides, 0, image.height_px, frame_->data, frame_->linesize);
+    is_gif() ? ConvertToPalette(image) : Convert(image);
     frame_->pts = next_frame_++;
     Encode(frame_);
   }
@@ -100,6 +104,30 @@ class LibavEncoder final : public VideoEncoder {
  private:
   bool is_webm() const { return settings_.container == Container::kWebm; }
   bool is_gif() const { return settings_.container == Container::kGif; }
+
+  void Convert(ImageView image) {
+    const std::uint8_t* rows[] = {reinterpret_cast<const std::uint8_t*>(image.pixels)};
+    const int strides[] = {4 * image.width_px};
+    sws_scale(converter_, rows, strides, 0, image.height_px, frame_->data, frame_->linesize);
+  }
+
+  void ConvertToPalette(ImageView image) {
+    if (!palette_) {
+      palette_.emplace(settings_.samples.empty() ? std::span<const ImageView>(&image, 1)
+                                                 : std::span<const ImageView>(settings_.samples));
+    }
+    // Entries that no pixel has are transparent: the encoder uses the first for "as before".
+    const std::span entries(reinterpret_cast<std::uint32_t*>(frame_->data[1]),
+                            AVPALETTE_SIZE / sizeof(std::uint32_t));
+    std::ranges::fill(entries, 0u);
+    std::ranges::copy(palette_->colours(), entries.begin());
+    for (int y = 0; y < image.height_px; ++y) {
+      const std::span row(image.pixels + std::ptrdiff_t{y} * image.width_px,
+                          static_cast<std::size_t>(image.width_px));
+      std::ranges::transform(row, frame_->data[0] + std::ptrdiff_t{y} * frame_->linesize[0],
+                             [this](std::uint32_t pixel) { return palette_->IndexOf(pixel); });
+    }
+  }
 
   std::string Target() const { return file_.target().string(); }
 
@@ -117,7 +145,7 @@ class LibavEncoder final : public VideoEncoder {
     codec_ = avcodec_alloc_context3(encoder);
     codec_->width = settings_.width_px;
     codec_->height = settings_.height_px;
-    codec_->pix_fmt = is_gif() ? AV_PIX_FMT_RGB8 : AV_PIX_FMT_YUV420P;
+    codec_->pix_fmt = is_gif() ? AV_PIX_FMT_PAL8 : AV_PIX_FMT_YUV420P;
     codec_->time_base = {1, settings_.frames_per_s};
     codec_->framerate = {settings_.frames_per_s, 1};
     codec_->sample_aspect_ratio = {1, 1};
@@ -148,6 +176,9 @@ class LibavEncoder final : public VideoEncoder {
     if (converter_ == nullptr) throw RunError("video: cannot convert colours");
     const int* bt709 = sws_getCoefficients(SWS_CS_ITU709);
     sws_setColorspaceDetails(converter_, bt709, 1, bt709, 0, 0, 1 << 16, 1 << 16);
+  }
+
+  void OpenFrame() {
     frame_ = av_frame_alloc();
     packet_ = av_packet_alloc();
     frame_->format = codec_->pix_fmt;
@@ -218,7 +249,8 @@ class LibavEncoder final : public VideoEncoder {
   AVStream* stream_ = nullptr;
   AVFrame* frame_ = nullptr;
   AVPacket* packet_ = nullptr;
-  SwsContext* converter_ = nullptr;
+  SwsContext* converter_ = nullptr;    // of all but GIF
+  std::optional<GifPalette> palette_;  // of a GIF, from the first frame on
   std::int64_t next_frame_ = 0;
 };
 

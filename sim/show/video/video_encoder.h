@@ -36,11 +36,14 @@ struct VideoFormat {
   /// In their order. In MP4 the first begins with the video, and one lasts until the next begins; a
   /// GIF has none.
   std::vector<Chapter> chapters{};
+  /// Pictures whose colours the palette of a GIF has; without any, those of its first frame.
+  std::vector<ImageView> samples{};
 };
 
 /// An MP4 file with H.264, or a WebM file with VP9; yuv420p in BT.709; the index of MP4 in front:
-/// plays while it loads, in every browser. Or a GIF, which plays where no video does: of 256 fixed
-/// colours, and at most 50 frames per second, as browsers show no more.
+/// plays while it loads, in every browser. Or a GIF, which plays where no video does: of 255
+/// colours of its own without dithering, and at most 50 frames per second, as browsers show no
+/// more.
 ///
 /// Frame by frame, so memory does not grow with the length; frame k is shown at exactly
 /// k / frames_per_s. After Finish() the file is whole, and can be committed by its owner.

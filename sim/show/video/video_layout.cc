@@ -23,6 +23,9 @@ constexpr double kAngleLabelWidth = 40.0;
 constexpr double kTimeLabelHeight = 20.0;
 constexpr double kPlotShare = 0.29;  // of a card: numbers and curves below a hand
 constexpr double kViewShare = 0.45;  // of a pane's width, where the hand stands beside
+// Of smaller frames letters could not be read: curves make room for larger ones.
+constexpr double kSmallUnit = 0.6;
+constexpr double kSmallFactor = 2.0;
 
 Rect Rounded(const Rect& rect) {
   const double x = std::round(rect.x), y = std::round(rect.y);
@@ -55,6 +58,17 @@ Rect TitleOf(const Rect& card, double unit) {
   return Rounded({card.x + padding, card.y, card.width - 2.0 * padding, kTitleHeight * unit});
 }
 
+/// From the top: title, hand, the numbers.
+PaneLayout LayOutSmallPane(const Rect& card, double unit) {
+  const double padding = kPadding * unit, score = std::round(kScoreHeight * unit);
+  PaneLayout pane = {.card = card, .title = TitleOf(card, unit)};
+  const double x = pane.title.x, width = pane.title.width;
+  pane.jitter = {x, card.bottom() - std::round(0.25 * padding) - score, width, score};
+  pane.tracking = {x, pane.jitter.y - score, width, score};
+  pane.view = {card.x, pane.title.bottom(), card.width, pane.tracking.y - pane.title.bottom()};
+  return pane;
+}
+
 /// From the top: title, hand, error, jitter.
 PaneLayout LayOutTallPane(const Rect& card, double unit) {
   const double padding = kPadding * unit;
@@ -82,14 +96,15 @@ PaneLayout LayOutBesideHand(const Rect& card, bool all_plots, double unit) {
 }
 
 /// All but the panes.
-VideoLayout LayOutFrame(int width_px, int height_px) {
+VideoLayout LayOutFrame(int width_px, int height_px, bool is_small) {
   if (width_px < VideoConfig::kMinWidth_px || height_px < VideoConfig::kMinHeight_px) {
     throw UserError(fmt::format("video: {} x {} px is too small, at least {} x {} px are needed",
                                 width_px, height_px, VideoConfig::kMinWidth_px,
                                 VideoConfig::kMinHeight_px));
   }
   VideoLayout layout;
-  layout.unit = std::min(width_px / 1280.0, height_px / 720.0);
+  layout.card_unit = std::min(width_px / 1280.0, height_px / 720.0);
+  layout.unit = is_small ? kSmallFactor * layout.card_unit : layout.card_unit;
   const double unit = layout.unit, margin = kMargin * unit;
   layout.header = Rounded({margin, 0.0, width_px - 2.0 * margin, kHeaderHeight * unit});
   layout.progress = Rounded({0.0, height_px - kProgressHeight * unit, static_cast<double>(width_px),
@@ -109,7 +124,9 @@ void CheckPaneCount(int pane_count) {
 
 VideoLayout LayOutVideo(int width_px, int height_px, int pane_count) {
   CheckPaneCount(pane_count);
-  VideoLayout layout = LayOutFrame(width_px, height_px);
+  const bool is_small =
+      pane_count <= 2 && std::min(width_px / 1280.0, height_px / 720.0) < kSmallUnit;
+  VideoLayout layout = LayOutFrame(width_px, height_px, is_small);
   const double unit = layout.unit;
   const double margin = kMargin * unit, gap = kGap * unit;
   const int rows = pane_count <= 4 ? 1 : 2;
@@ -121,14 +138,15 @@ VideoLayout LayOutVideo(int width_px, int height_px, int pane_count) {
     const double x = margin + column * (width + gap);
     const double y = layout.header.height + row * (height + gap);
     const Rect card = {std::round(x), std::round(y), std::floor(width), std::floor(height)};
-    layout.panes.push_back(rows == 1 ? LayOutTallPane(card, unit)
-                                     : LayOutBesideHand(card, false, unit));
+    layout.panes.push_back(is_small    ? LayOutSmallPane(card, unit)
+                           : rows == 1 ? LayOutTallPane(card, unit)
+                                       : LayOutBesideHand(card, false, unit));
   }
   return layout;
 }
 
 VideoLayout LayOutOverlay(int width_px, int height_px) {
-  VideoLayout layout = LayOutFrame(width_px, height_px);
+  VideoLayout layout = LayOutFrame(width_px, height_px, false);
   const double margin = kMargin * layout.unit, top = layout.header.height;
   const Rect card = {std::round(margin), std::round(top), std::floor(width_px - 2.0 * margin),
                      std::floor(height_px - top - margin)};
