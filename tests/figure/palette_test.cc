@@ -111,7 +111,7 @@ TEST(Palette, EverythingIsSeenOnBothGrounds) {
       EXPECT_GE(ContrastOf(shade.dark, ground.dark), least) << shade.name;
     };
     for (const Shade& text : {kInk, kMuted, kAccent, kGood, kWarn}) expect(text, 4.5);
-    for (const Shade& mark : {kWearer, kGlove, kCommand}) expect(mark, 3.0);
+    for (const Shade& mark : {kWearer, kGlove, kCommand, kSecond}) expect(mark, 3.0);
     for (const Shade& series : kSeries) expect(series, 3.0);
   }
 }
@@ -130,6 +130,7 @@ TEST(Palette, ColoursThatAreComparedDifferForEveryKindOfColourVision) {
   expect(kHand, kCommand, 15.0);
   expect(kSeries[2], kCommand, 15.0);
   expect(kWearer, kGlove, 15.0);
+  expect(kWearer, kSecond, 15.0);
 }
 
 TEST(Palette, TheBaselineHasItsOwnColourAndTheOthersThoseOfTheirOrder) {

@@ -342,6 +342,8 @@ def test_page_in_a_browser(place):
         page.wait_for("document.querySelectorAll('#live-choice button')[1].ariaPressed === 'true'")
         page.wait_for("document.getElementById('live-state').textContent.startsWith('tuned_kalman drives')")
         page.wait_for(f"{names} === 'Solid: tuned_kalman raw wearer'")
+        dots = page.value("[...document.querySelectorAll('#live-names .dot')].map((dot) => dot.style.getPropertyValue('--colour'))")
+        check(dots == ["var(--second)", "var(--wearer)"], f"raw is grey before the grey hand: {dots}")
         answer, still = "document.getElementById('live-answer')", "document.getElementById('live-still')"
         page.wait_for(f"{answer}.textContent === ''")
         page.value(f"{still}.click()")

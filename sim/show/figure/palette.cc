@@ -12,9 +12,10 @@ namespace {
 
 using palette::kSeries;
 
-constexpr std::array kRoles = {palette::kGround, palette::kPanel,  palette::kInk,  palette::kMuted,
-                               palette::kAccent, palette::kGood,   palette::kWarn, palette::kWearer,
-                               palette::kGlove,  palette::kCommand};
+constexpr std::array kRoles = {palette::kGround,  palette::kPanel,  palette::kInk,
+                               palette::kMuted,   palette::kAccent, palette::kGood,
+                               palette::kWarn,    palette::kWearer, palette::kGlove,
+                               palette::kCommand, palette::kSecond};
 
 double HueOf(std::size_t series) { return std::fmod(137.5 * static_cast<double>(series), 360.0); }
 

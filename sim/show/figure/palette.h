@@ -46,6 +46,8 @@ inline constexpr Shade kGood = {"good", 0x14734a, 0x5cc795};
 inline constexpr Shade kWarn = {"warn", 0x9a4a00, 0xefae62};
 
 inline constexpr Shade kWearer = {"wearer", 0xae226f, 0xff4f70};
+/// A translucent hand of the baseline, whose own colour is too near to the grey of a solid hand.
+inline constexpr Shade kSecond = {"second", 0xb07a00, 0xf0c23c};
 inline constexpr Shade kGlove = {"glove", 0x848e9b, 0x5c7080};
 inline constexpr Shade kCommand = {"command", 0xb86a00, 0xf0a94a};
 /// Controllers: the baseline, then the others in the order of the verdict.

@@ -26,7 +26,7 @@ class LivePage extends HandScene {
     this.other = new ReplayHand(data.hand);
     this.ghost = new ReplayHand(data.hand);
     this.picture.add(this.hand, {opaque: true});
-    this.picture.add(this.other, this.tint(colourName(Math.max(0, this.other_number))));
+    this.picture.add(this.other, this.tint(tintName(Math.max(0, this.other_number))));
     this.picture.add(this.ghost, this.tint(GLOVE_COLOUR));
     this.placeCamera(this.hand, [data.joints.map(() => 0), data.rest_deg]);
     for (const hand of [this.hand, this.other, this.ghost]) hand.pose(data.rest_deg);
@@ -217,7 +217,7 @@ class LivePage extends HandScene {
     this.other.setVisible(this.other_number >= 0);
     byId("live-other").value = this.other_number < 0 ? "" : this.other_number;
     if (this.other_number >= 0) {
-      const colour = colourName(this.other_number);
+      const colour = tintName(this.other_number);
       this.other.recolour?.(resolvedColour(colour));
       tinted.push([colour, this.name(this.other_number)]);
     }

@@ -3,6 +3,12 @@ let colours = [];
 
 function colourName(controller) { return colours[controller]; }
 
+// Of a translucent hand.
+function tintName(controller) {
+  const colour = colourName(controller);
+  return colour === "var(--c0)" ? "var(--second)" : colour;
+}
+
 // Canvas does not know variables.
 function resolvedColour(name) {
   const variable = /^var\((.+)\)$/.exec(name);

@@ -16,7 +16,7 @@ class ReplayView extends HandScene {
     this.other = new ReplayHand(this.replay);
     this.ghost = new ReplayHand(this.replay);
     this.picture.add(this.hand, {opaque: true});
-    this.picture.add(this.other, this.tint(colourName(0)));
+    this.picture.add(this.other, this.tint(tintName(0)));
     this.picture.add(this.ghost, this.tint("var(--wearer)"));
     this.chooseControllers();
     this.placeCamera(this.hand, this.postures());
@@ -105,7 +105,7 @@ class ReplayView extends HandScene {
       this[name].pose(this.anglesAt(of, this.time), object);
     }
     const other = this.shown().other;
-    if (other >= 0) this.other.recolour?.(resolvedColour(colourName(other)));
+    if (other >= 0) this.other.recolour?.(resolvedColour(tintName(other)));
     this.ghost.recolour?.(resolvedColour("var(--wearer)"));
     this.range.value = this.time;
     byId("replay-clock").textContent = `${this.time.toFixed(2)} s`;
@@ -116,7 +116,7 @@ class ReplayView extends HandScene {
     const {hand, other, ghost} = this.shown();
     const name = (controller) => this.data.controllers[controller].name;
     this.nameHands(byId("replay-legend"), name(hand), [
-      ...(other < 0 ? [] : [[colourName(other), name(other)]]),
+      ...(other < 0 ? [] : [[tintName(other), name(other)]]),
       ...(ghost === -1 ? [] : [["var(--wearer)", "wearer"]])]);
   }
 
