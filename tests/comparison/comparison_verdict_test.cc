@@ -88,7 +88,8 @@ TEST(ComparisonVerdict, RecommendsTheBestTrackerAndNamesThePriceOfLessJitter) {
   EXPECT_THAT(verdict.alternatives, ElementsAre("kalman"));  // mean is late: dominated
   EXPECT_EQ(verdict.Text(),
             "Use prediction: tracking error 4.40 deg RMS (raw 6.40), delay 59.0 ms (raw 104) and "
-            "jitter 0.210 deg RMS (raw 0.280). Use kalman if jitter matters more: 0.130 deg RMS "
+            "jitter 0.210 deg RMS (raw 0.280). No score is clearly worse. Use kalman if jitter "
+            "matters more: 0.130 deg RMS "
             "instead of 0.210, but tracking error 6.40 deg RMS instead of 4.40 and delay 106 ms "
             "instead of 59.0.");
   EXPECT_THAT(Names(summary), ElementsAre("prediction", "kalman", "raw", "mean"));
@@ -129,7 +130,7 @@ TEST(ComparisonVerdict, TakesTheLeastJitterOfEquivalentTrackers) {
   EXPECT_THAT(verdict.alternatives, ElementsAre());
   EXPECT_EQ(verdict.Text(),
             "Use b: tracking error 4.20 deg RMS (raw 5.00) and jitter 0.200 deg RMS (raw 0.500); "
-            "delay equivalent.");
+            "delay equivalent. No score is clearly worse.");
 }
 
 TEST(ComparisonVerdict, StaysAtTheBaselineWhereNothingIsBetter) {
@@ -215,6 +216,23 @@ TEST(ComparisonVerdict, WithoutABaselineRecommendsWhatIsBetterThanEachOther) {
               HasSubstr("No recommendation: the tracking error, delay and "
                         "jitter of a (4.00 deg RMS) and b (4.60 deg RMS) "
                         "are undecided."));
+}
+
+TEST(ComparisonVerdict, SaysThePriceOfTheRecommendedOne) {
+  Summary summary = Of({{"raw", 9.0, 100, 0.2}, {"a", 4.0, 100, 0.2}});
+  ASSERT_EQ(AnswerOf(summary).verdict.recommended, "a");
+  EXPECT_THAT(AnswerOf(summary).verdict.Answer(), testing::Contains("No score is clearly worse."));
+  const std::size_t aligned = MetricIndex("aligned_rmse_deg");
+  summary.controllers[0].summary[aligned].mean = 2.5;
+  summary.controllers[1].summary[aligned].mean = 3.5;
+  summary.controllers[1].to_baseline[aligned].judgement = Judgement::kWorse;
+  EXPECT_THAT(AnswerOf(summary).verdict.Answer(),
+              testing::Contains("Worse: aligned error 3.50 deg RMS (raw 2.50)."));
+  // A primary score that is worse stands in the recommendation already.
+  const Verdict late = AnswerOf(Of({{"raw", 9.0, 100, 0.2}, {"a", 4.0, 120, 0.2}})).verdict;
+  ASSERT_EQ(late.recommended, "a");
+  EXPECT_THAT(late.Text(), HasSubstr("but delay 120 ms (raw 100)"));
+  EXPECT_THAT(late.Text(), Not(HasSubstr("clearly worse")));
 }
 
 TEST(ComparisonVerdict, CountsASmallUndecidedDifferenceAsEquivalentAndSaysSo) {

@@ -57,6 +57,19 @@ TEST(Headline, TellsWhatIsWorse) {
   EXPECT_THAT(ItemsOf(made), HasSubstr("<li class=\"warn\"><span>delay</span> <b>+30 ms</b>"));
 }
 
+TEST(Headline, EndsWithThePrice) {
+  test::MadeUpStudy made = Made(-2.0, -40.0, 0.0);
+  const std::size_t aligned = MetricIndex("aligned_rmse_deg");
+  made.summary.controllers[1].to_baseline[aligned].judgement = Judgement::kWorse;
+  made.summary.comparisons[made.summary.Place(aligned, 1, 0)].judgement = Judgement::kWorse;
+  const std::vector<HeadNumber> numbers = HeadlineDifferences(made.summary);
+  ASSERT_EQ(numbers.size(), 4u);
+  EXPECT_EQ(numbers.back().name, "aligned error");
+  EXPECT_EQ(numbers.back().judgement, Judgement::kWorse);
+  const std::string html = HtmlOf(PageHead{.numbers = numbers, .of_numbers = "#scores"});
+  EXPECT_THAT(html, HasSubstr("<span><a href=\"#scores\">aligned error</a></span>"));
+}
+
 TEST(Headline, HasAtMostEightWordsAndNoNumbersWithoutARecommendation) {
   test::MadeUpStudy one = test::MakeUpStudy({.seeds = 1});
   EXPECT_EQ(Headline(one.summary), "One run: no recommendation.");

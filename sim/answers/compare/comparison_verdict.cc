@@ -212,21 +212,23 @@ std::string CountedAsEquivalent(const Summary& summary, const Choice& choice,
                      Metrics()[metric].name, summary.controllers[recommended].name, Listed(others));
 }
 
-/// "prediction is worse than raw in command reversals: 27.1 per s (raw 21.6)."
-std::string WorseThanBaseline(const Summary& summary, const Choice& choice,
-                              std::size_t recommended) {
+/// "Worse: command reversals 27.1 per s (raw 21.6)." The recommendation has the primary scores.
+std::string Price(const Summary& summary, const Choice& choice, std::size_t recommended) {
+  if (!summary.baseline || *summary.baseline == recommended) return "";
   std::vector<std::string> worse;
+  bool is_worse = std::ranges::any_of(choice.scores(), [&](std::size_t metric) {
+    return choice.JudgementOf(metric, recommended, *summary.baseline) == Judgement::kWorse;
+  });
   for (const std::size_t metric : ShownMetrics(summary)) {
     if (summary.controllers[recommended].AgainstBaseline(metric) != Judgement::kWorse) continue;
-    if (std::ranges::count(choice.scores(), metric) > 0) continue;  // in the recommendation
+    if (std::ranges::count(choice.scores(), metric) > 0) continue;
+    is_worse = true;
     worse.push_back(fmt::format("{} ({} {})", NamedValue(summary, recommended, metric),
                                 summary.controllers[*summary.baseline].name,
                                 Value(summary, *summary.baseline, metric)));
   }
-  if (worse.empty()) return "";
-  return fmt::format("{} is worse than {} in a secondary score: {}.",
-                     summary.controllers[recommended].name,
-                     summary.controllers[*summary.baseline].name, Listed(worse));
+  if (!is_worse) return "No score is clearly worse.";
+  return worse.empty() ? "" : fmt::format("Worse: {}.", Listed(worse));
 }
 
 std::string MayBreakBound(const Summary& summary, std::size_t recommended) {
@@ -323,7 +325,6 @@ void AddWarnings(const Summary& summary, const Choice& choice,
   }
   if (recommended) {
     verdict.AddWarning("undecided", CountedAsEquivalent(summary, choice, *recommended));
-    verdict.AddWarning("worse_than_baseline", WorseThanBaseline(summary, choice, *recommended));
     verdict.AddWarning("bounds", MayBreakBound(summary, *recommended));
   }
   if (!summary.blocks.empty()) {
@@ -368,6 +369,7 @@ Verdict VerdictOf(const Summary& summary, const Choice& choice) {
   } else {
     verdict.recommended = summary.controllers[*recommended].name;
     verdict.AddReason("recommended", Recommendation(summary, choice, *recommended));
+    verdict.AddReason("price", Price(summary, choice, *recommended));
     verdict.AddReason("equivalent", Ties(summary, choice, *recommended));
     for (const auto& [metric, c] : choice.alternatives()) {
       verdict.alternatives.push_back(summary.controllers[c].name);

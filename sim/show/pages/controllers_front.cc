@@ -129,7 +129,10 @@ std::string ControllersFront(const Summary& summary) {
   if (points.empty()) {
     return "<p class=\"note\">The wearer did not move, so there is no delay to draw.</p>\n";
   }
-  return FrontOf(points, "wide", 640.0, 320.0) + FrontOf(points, "narrow", 360.0, 215.0);
+  return FrontOf(points, "wide", 640.0, 320.0) + FrontOf(points, "narrow", 360.0, 215.0) +
+         "<p class=\"note small\">Nearer to the lower left corner is better. The delay contains "
+         "glove, "
+         "servos and cables.</p>\n";
 }
 
 std::string ControllersFrontFile(const Summary& summary) {

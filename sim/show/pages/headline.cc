@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "sim/answers/compare/comparison_verdict.h"
 #include "sim/answers/sweep/sweep_result.h"
 #include "sim/results/html_text.h"
 #include "sim/results/table_text.h"
@@ -50,13 +51,16 @@ class SignedText {
   double factor_;
 };
 
-std::string ItemOf(const HeadNumber& number) {
+std::string ItemOf(const HeadNumber& number, const std::string& link) {
   const char* css = number.judgement == Judgement::kBetter  ? " class=\"good\""
                     : number.judgement == Judgement::kWorse ? " class=\"warn\""
                                                             : "";
   const std::string note =
       number.note.empty() ? "" : fmt::format(" <small>{}</small>", EscapeHtml(number.note));
-  return fmt::format("<li{}><span>{}</span> <b>{}</b>{}</li>\n", css, EscapeHtml(number.name),
+  const std::string name = link.empty() ? EscapeHtml(number.name)
+                                        : fmt::format("<a href=\"{}\">{}</a>", EscapeHtml(link),
+                                                      EscapeHtml(number.name));
+  return fmt::format("<li{}><span>{}</span> <b>{}</b>{}</li>\n", css, name,
                      EscapeHtml(number.value), note);
 }
 
@@ -81,12 +85,22 @@ std::vector<HeadNumber> HeadlineDifferences(const Summary& summary) {
   if (!c || !summary.baseline || *c == *summary.baseline) return {};
   const ControllerSummary& baseline = summary.controllers[*summary.baseline];
   std::vector<HeadNumber> numbers;
-  for (const auto& [word, metric] : PrimaryScores()) {
-    const Comparison& comparison = summary.Of(metric, *c, *summary.baseline);
-    if (comparison.judgement == Judgement::kNone) continue;
-    numbers.push_back(NumberOf(metric, comparison, summary.controllers[*c].summary[metric].mean,
+  std::vector<std::size_t> primary;
+  const auto add = [&](std::size_t metric) {
+    numbers.push_back(NumberOf(metric, summary.Of(metric, *c, *summary.baseline),
+                               summary.controllers[*c].summary[metric].mean,
                                baseline.summary[metric].mean, baseline.name));
+  };
+  for (const auto& [word, metric] : PrimaryScores()) {
+    primary.push_back(metric);
+    if (summary.Of(metric, *c, *summary.baseline).judgement != Judgement::kNone) add(metric);
   }
+  const std::vector<std::size_t> shown = ShownMetrics(summary);
+  const auto price = std::ranges::find_if(shown, [&](std::size_t metric) {
+    return std::ranges::count(primary, metric) == 0 &&
+           summary.controllers[*c].AgainstBaseline(metric) == Judgement::kWorse;
+  });
+  if (price != shown.end()) add(*price);
   return numbers;
 }
 
@@ -149,7 +163,7 @@ HeadNumber NumberOf(std::size_t metric, const Comparison& comparison, double val
 
 std::string HtmlOf(const PageHead& head) {
   std::string items, warnings;
-  for (const HeadNumber& number : head.numbers) items += ItemOf(number);
+  for (const HeadNumber& number : head.numbers) items += ItemOf(number, head.of_numbers);
   for (const std::string& warning : head.warnings) warnings += Paragraph("note warn", warning);
   return fmt::format(
       "<header>\n{}<h1 id=\"title\">{}</h1>\n{}{}{}{}<ul class=\"problems\" id=\"problems\" "

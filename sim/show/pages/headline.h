@@ -25,7 +25,8 @@ struct PageHead {
   std::string title = {};
   std::string question = {};
   std::string headline = {};             // at most eight words where names are short
-  std::vector<HeadNumber> numbers = {};  // at most three
+  std::vector<HeadNumber> numbers = {};  // at most four
+  std::string of_numbers = {};           // where they are explained, as "#scores"; may be empty
   std::string answer = {};               // with the headline's sentence, unless it is all of it
   std::vector<std::string> warnings = {};
   std::string facts = {};
@@ -53,8 +54,8 @@ HeadNumber NumberOf(std::size_t metric, const Comparison& comparison, double val
 /// "Use prediction in place of raw.": the answer of a comparison in at most eight words.
 std::string Headline(const Summary& summary);
 
-/// The primary scores of the recommended controller against the baseline. Empty where there is
-/// nothing recommended to compare.
+/// The primary scores of the recommended controller against the baseline, and the first of the other
+/// main scores that is worse. Empty where there is nothing recommended to compare.
 std::vector<HeadNumber> HeadlineDifferences(const Summary& summary);
 
 }  // namespace gauntlet::sim
