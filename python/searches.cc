@@ -29,6 +29,7 @@
 #include "sim/base/stop.h"
 #include "sim/base/threads.h"
 #include "sim/results/answer_files.h"
+#include "sim/results/runs.h"
 #include "sim/show/pages/pages.h"
 #include "sim/study/study.h"
 #include "sim/study/trial_table/sweep_database.h"
@@ -151,6 +152,7 @@ py::dict Sweep(const SettingsSource& study, const sim::SweepOverrides& overrides
     sim::OutputFiles files(
         {.folder = folder.path(),
          .command = "sweep",
+         .choices = sim::ChoicesText({.set = overrides.set}),
          .results = {"report.html", "cells.csv", sim::kAnswerFile, sim::kVerboseAnswerFile}});
     sim::SweepDatabase database(folder.path() / "study.db", hash, plan.metrics);
     const sim::CellRange cells = sim::ShardOf(plan, 1, 1);

@@ -22,6 +22,7 @@
 #include "sim/base/signal_storage.h"
 #include "sim/base/stop.h"
 #include "sim/base/threads.h"
+#include "sim/results/runs.h"
 #include "sim/show/pages/controllers_front.h"
 #include "sim/show/pages/score_table.h"
 #include "sim/show/pages/study_folder_files.h"
@@ -103,6 +104,8 @@ void RunStudy(const StudyRequest& request, ExecutorParts* elsewhere, LongWork& w
   sim::Scenario scenario = ReadScenario(source, request, work);
   const int seeds = SeedsOf(request, scenario);
   finished.comparison = request.comparison;
+  finished.choices =
+      sim::ChoicesText({.set = request.overrides, .controllers = request.controllers});
   if (!request.out.empty()) sim::SetSignalFolder(request.out);
   finished.study = sim::PrepareStudy(source, std::move(scenario));
   for (const std::string& line : sim::WarningsOf(finished.study)) work.Remark(line);
@@ -127,7 +130,7 @@ void RunStudy(const StudyRequest& request, ExecutorParts* elsewhere, LongWork& w
     }
     sim::OutputFolder folder(request.out);
     finished.folder = folder.path();
-    sim::OutputFiles files = sim::FilesOfStudy(folder.path());
+    sim::OutputFiles files = sim::FilesOfStudy(finished);
     not_kept = finish();
     sim::WriteStudyFolder(finished, request.formats, false, files);
     folder.Keep();

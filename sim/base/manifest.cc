@@ -35,6 +35,7 @@ constexpr Checksum kChecksums[] = {{"XXH64", FastHashOfFile}, {"FNV-1a, 64 bits"
 struct Content {
   bool finished = false;
   std::string command = {};  // empty up to version 0.2.0
+  std::string choices = {};
   Checksum checksum = kChecksums[0];
   std::map<std::string, FileMark> files = {};
 };
@@ -57,6 +58,7 @@ void WriteManifest(const fs::path& file, const Content& content) {
   json["format"] = kFormat;
   json["gauntlet_version"] = GAUNTLET_VERSION;
   json["command"] = content.command;
+  if (!content.choices.empty()) json["choices"] = content.choices;
   json["finished"] = content.finished;
   if (content.finished) json["run"] = RunOf(content.files);
   json["checksum"] = content.checksum.name;
@@ -86,6 +88,7 @@ std::optional<Content> Read(const fs::path& file) {
   Content content;
   content.finished = json.at("finished").get<bool>();
   content.command = json.value("command", "").get<std::string>();
+  content.choices = json.value("choices", "").get<std::string>();
   if (!json.contains("files")) return content;  // an unfinished manifest up to version 0.2.0
   const auto checksum =
       std::ranges::find(kChecksums, json.at("checksum").get<std::string>(), &Checksum::name);
@@ -166,6 +169,7 @@ Manifest::Manifest(fs::path folder) : folder_(std::move(folder)) {
                          "run the same command again"});
   }
   exists_ = true;
+  choices_ = std::move(content->choices);
   files_ = std::move(content->files);
   checksum_of_ = content->checksum.of_file;
 }
@@ -257,7 +261,7 @@ void OutputFiles::Write(const std::function<void(const fs::path&)>& write) {
 }
 
 void OutputFiles::Commit() {
-  Content content{.finished = true, .command = plan_.command};
+  Content content{.finished = true, .command = plan_.command, .choices = plan_.choices};
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(staging_->path())) {
     names.push_back(entry.path().filename().string());

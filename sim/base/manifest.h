@@ -31,6 +31,8 @@ class Manifest {
 
   /// False: there is no manifest, and nothing is checked.
   bool exists() const { return exists_; }
+  /// See OutputPlan; empty for folders of earlier versions.
+  const std::string& choices() const { return choices_; }
   /// Path of a file whose size and checksum match the manifest. Reads the whole file.
   /// Errors: UserError in one line if the file is missing or differs.
   std::filesystem::path Checked(const std::string& name) const;
@@ -38,6 +40,7 @@ class Manifest {
  private:
   std::filesystem::path folder_;
   bool exists_ = false;
+  std::string choices_;
   std::string (*checksum_of_)(const std::filesystem::path&) = nullptr;
   std::map<std::string, FileMark> files_;
 };
@@ -53,6 +56,7 @@ struct OutputPlan {
   std::filesystem::path folder;
   std::string command = {};  // owner of the folder's files; see Manifest
   std::string manifest = "manifest.json";
+  std::string choices = {};                // options that tell this run from others: --set a=1
   std::vector<std::string> results = {};   // known before the work begins
   std::vector<std::string> editable = {};  // results that begin with a checksum
   bool force = false;                      // replace edited ones

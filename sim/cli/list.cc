@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -259,9 +258,13 @@ std::vector<Entry> RunEntries() {
   for (const Run& run : FindRuns("out")) {
     Entry& entry = entries.emplace_back();
     entry.name = run.folder.string();
-    entry.summary = run.question;
-    entry.details = {run.answer, fmt::format("{}, {}", run.written, SizeText(run.bytes))};
-    entry.facts = {{"answer", run.answer}, {"written", run.written}, {"bytes", run.bytes}};
+    const std::vector<std::string> lines = LinesOf(run);
+    entry.summary = lines.front();
+    entry.details.assign(lines.begin() + 1, lines.end());
+    entry.facts = {{"choices", run.choices},
+                   {"answer", run.answer},
+                   {"written", run.written},
+                   {"bytes", run.bytes}};
   }
   return entries;
 }
@@ -283,18 +286,6 @@ const std::vector<Subject>& Subjects() {
       {"runs", "output folders below out, the newest first, with their answers", RunEntries},
   };
   return kSubjects;
-}
-
-/// At a terminal in lines that fit; else in one line, for those who search.
-void PrintIndented(const std::string& text) {
-  constexpr std::size_t kIndent = 4;
-  const std::size_t width =
-      isatty(STDOUT_FILENO) != 0 ? StyleOf({}).width : TerminalStyle::kNoLimit;
-  std::string lines = Wrapped(text, width - kIndent - kIndent);
-  for (std::size_t end = 0; (end = lines.find('\n', end)) != std::string::npos;) {
-    lines.insert(++end, 2 * kIndent, ' ');
-  }
-  Print("{}{}\n", std::string(kIndent, ' '), lines);
 }
 
 void PrintSubject(const Subject& subject) {
@@ -332,21 +323,18 @@ Json JsonOf(const Subject& subject) {
 }
 
 /// Errors: UserError, before anything is written.
-void WriteRunsPage(const ListOptions& options) {
+void WritePageOf(const ListOptions& options) {
   const std::filesystem::path page = options.page;
   if (options.what != "runs" || page.extension() != ".html") {
     throw UserError({.place = "--out " + options.page,
                      .problem = options.what != "runs" ? "only list runs writes a page"
                                                        : "a page must end in .html"});
   }
-  RefuseInput(page);
-  MakeDirectoryOf(page);
-  const std::filesystem::path folder = page.has_parent_path() ? page.parent_path() : ".";
-  WriteOutputFile(page, RunsPage(FindRuns("out"), folder));
+  WriteRunsPage(FindRuns("out"), page);
 }
 
 void List(const ListOptions& options) {
-  if (!options.page.empty()) WriteRunsPage(options);
+  if (!options.page.empty()) WritePageOf(options);
   if (options.what.empty()) {
     if (options.json) {
       Json all;

@@ -5,6 +5,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/results/answer_files.h"
+#include "sim/results/runs.h"
 #include "sim/settings/yaml_tree.h"
 #include "sim/show/pages/pages.h"
 #include "sim/study/scenario/scenario_reader.h"
@@ -60,11 +61,13 @@ void RunRobustCommand(const RobustCommand& command) {
       .file = command.scenario, .text = ReadYamlText(command.scenario), .overrides = command.set};
   const RobustPlan plan = MakeRobustPlan(source, options);
   CheckProgramsOf(source, options.controllers);  // not of the plan, whose text is another
-  CellsFolder folder(plan.sweep, command.cells, "out/" + plan.sweep.file.name + ".robust",
-                     {.folder = {},
-                      .command = "robust",
-                      .results = {"scenario.resolved.yaml", "cells.csv", "robust.csv",
-                                  "tornado.csv", "report.html", kAnswerFile, kVerboseAnswerFile}});
+  CellsFolder folder(
+      plan.sweep, command.cells, "out/" + plan.sweep.file.name + ".robust",
+      {.folder = {},
+       .command = "robust",
+       .choices = ChoicesText({.set = command.set, .controllers = options.controllers}),
+       .results = {"scenario.resolved.yaml", "cells.csv", "robust.csv", "tornado.csv",
+                   "report.html", kAnswerFile, kVerboseAnswerFile}});
   folder.Run();
   std::optional<RobustResult> result;
   if (!folder.is_shard()) result = ConcludeRobust(plan, folder.database());

@@ -9,6 +9,7 @@
 
 #include "controller/number.h"
 #include "sim/base/data_folder.h"
+#include "sim/cli/standard_streams.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -118,6 +119,17 @@ TerminalStyle StyleOf(const TerminalOptions& options) {
   return {.width = std::min<std::size_t>(width, kLongestText),
           .table_width = options.wide ? TerminalStyle::kNoLimit : width,
           .colour = options.colour == "always" || (options.colour == "auto" && coloured_terminal)};
+}
+
+void PrintIndented(const std::string& text) {
+  constexpr std::size_t kIndent = 4;
+  const std::size_t width =
+      isatty(STDOUT_FILENO) != 0 ? StyleOf({}).width : TerminalStyle::kNoLimit;
+  std::string lines = Wrapped(text, width - kIndent - kIndent);
+  for (std::size_t end = 0; (end = lines.find('\n', end)) != std::string::npos;) {
+    lines.insert(++end, 2 * kIndent, ' ');
+  }
+  Print("{}{}\n", std::string(kIndent, ' '), lines);
 }
 
 }  // namespace gauntlet::sim

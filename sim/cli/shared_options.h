@@ -63,6 +63,10 @@ inline Option VerboseOption(
   return Option("--verbose", &verbose, {}, help);
 }
 
+/// Prints a text four columns to the right: at a terminal in lines that fit, else in one line, for
+/// those who search.
+void PrintIndented(const std::string& text);
+
 /// Style of standard output. Its width is that of the variable COLUMNS, else the terminal's, else
 /// 80; `auto` colours a terminal where NO_COLOR is not set (https://no-color.org).
 TerminalStyle StyleOf(const TerminalOptions& options);

@@ -1,14 +1,19 @@
+#include <filesystem>
+#include <vector>
+
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/results/answer_files.h"
+#include "sim/results/runs.h"
+#include "sim/show/pages/runs_page.h"
 
 namespace gauntlet::sim {
 namespace {
 
 struct ShowOptions {
   static constexpr auto kName = "show";
-  static constexpr auto kPurpose = "Print the answer of an output folder again";
+  static constexpr auto kPurpose = "Print the answer of one output folder, or of many";
   static constexpr auto kGroup = Group::kStudy;
   std::string folder;
   bool verbose = false;
@@ -16,20 +21,38 @@ struct ShowOptions {
   Options Rows() {
     return {
         Argument("FOLDER", &folder, Offer::kFolders,
-                 "output folder of run, compare, tune, sweep or robust"),
+                 "output folder of run, compare, tune, sweep or robust, or one with such folders"),
         VerboseOption(verbose, "print the answer that the command has with --verbose"),
     };
   }
 
   static constexpr auto kNotes = R"(
 Nothing is computed: the folder holds the answer in answer.txt and answer_verbose.txt.
+For a folder of output folders, the answers are listed and runs.html there shows them.
 
-Example:
+Examples:
   gauntlet show out/door_opening --verbose
+  gauntlet show out
 )";
 };
 
+void ShowRuns(const std::vector<Run>& runs, const std::filesystem::path& folder) {
+  const std::filesystem::path page = folder / "runs.html";
+  WriteRunsPage(runs, page);
+  for (const Run& run : runs) {
+    Print("{}\n", run.folder.string());
+    for (const std::string& line : LinesOf(run)) PrintIndented(line);
+  }
+  FlushOutput();
+  Say("wrote {}\n", page.string());
+}
+
 void Show(const ShowOptions& options) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(std::filesystem::path(options.folder) / kAnswerFile, ignored)) {
+    const std::vector<Run> runs = FindRuns(options.folder);
+    if (!runs.empty()) return ShowRuns(runs, options.folder);
+  }
   const KeptAnswer answer = ReadAnswer(options.folder, options.verbose);
   WarnIfUnchecked(options.folder, answer.checked);
   PrintText(answer.text);

@@ -27,6 +27,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/results/answer_files.h"
+#include "sim/results/runs.h"
 #include "sim/show/pages/pages.h"
 #include "sim/study/study.h"
 #include "sim/trial/external/external_filters.h"
@@ -360,6 +361,7 @@ void RunSweepCommand(const SweepCommand& command) {
   CellsFolder folder(plan, command.cells, "out/" + plan.file.name,
                      {.folder = {},
                       .command = "sweep",
+                      .choices = ChoicesText({.set = command.set}),
                       .results = {"report.html", "cells.csv", kAnswerFile, kVerboseAnswerFile}});
   folder.Run();
   SweepSummary summary;

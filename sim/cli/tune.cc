@@ -15,6 +15,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/results/answer_files.h"
+#include "sim/results/runs.h"
 #include "sim/settings/yaml_tree.h"
 #include "sim/show/pages/pages.h"
 #include "sim/study/study.h"
@@ -89,6 +90,7 @@ OutputFiles FilesOf(const std::vector<std::string>& controllers, const TuneComma
                     const OutputFolder& folder) {
   OutputPlan plan{.folder = folder.path(),
                   .command = "tune",
+                  .choices = ChoicesText({.set = asked.set}),
                   .results = {"tune.csv", "report.html", kAnswerFile, kVerboseAnswerFile},
                   .force = asked.force};
   for (const std::string& name : controllers) plan.editable.push_back(name + ".yaml");

@@ -1,6 +1,7 @@
 #include "sim/results/runs.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -8,6 +9,9 @@
 #include <fstream>
 #include <utility>
 
+#include "sim/base/error.h"
+#include "sim/base/manifest.h"
+#include "sim/base/shell_word.h"
 #include "sim/base/text.h"
 #include "sim/results/answer_files.h"
 
@@ -17,13 +21,15 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int kDeepest = 3;
 constexpr std::size_t kMostLines = 40;
+constexpr std::size_t kMostText = 2000;  // of a paragraph or the choices
 
-/// The first sentences, as many as fit into two lines or so.
+/// As many whole sentences as fit into a few lines, the first in any case.
 std::string FirstSentences(const std::string& text) {
   constexpr std::size_t kMost = 300;
   if (text.size() <= kMost) return text;
-  const std::size_t end = text.rfind(". ", kMost);
-  return end == std::string::npos ? OneLine(text, kMost) : text.substr(0, end + 1);
+  std::size_t end = text.rfind(". ", kMost);
+  if (end == std::string::npos) end = text.find(". ", kMost);
+  return end == std::string::npos ? text : text.substr(0, end + 1);
 }
 
 /// The next lines up to an empty one, in one line.
@@ -34,7 +40,16 @@ std::string Paragraph(std::istream& text) {
     if (line.empty() && !paragraph.empty()) break;
     if (!line.empty()) paragraph += (paragraph.empty() ? "" : " ") + line;
   }
-  return OneLine(FirstSentences(paragraph));
+  return OneLine(FirstSentences(paragraph), kMostText);
+}
+
+/// Empty where the manifest cannot be read.
+std::string ChoicesOf(const fs::path& folder) {
+  try {
+    return OneLine(Manifest(folder).choices(), kMostText);
+  } catch (const UserError&) {
+    return "";
+  }
 }
 
 std::uintmax_t BytesIn(const fs::path& folder) {
@@ -66,6 +81,7 @@ void Find(const fs::path& folder, int depth, std::vector<std::pair<std::time_t, 
     run.question = Paragraph(text);
     const std::size_t mark = run.question.find('?');
     if (mark != std::string::npos) run.question.resize(mark + 1);
+    run.choices = ChoicesOf(folder);
     run.answer = Paragraph(text);
     run.written = TimeText(status.st_mtime);
     run.bytes = BytesIn(folder);
@@ -88,6 +104,27 @@ std::vector<Run> FindRuns(const fs::path& root) {
   std::vector<Run> runs;
   for (auto& [time, run] : found) runs.push_back(std::move(run));
   return runs;
+}
+
+std::vector<std::string> LinesOf(const Run& run) {
+  std::vector<std::string> lines = {run.question, run.answer,
+                                    fmt::format("{}, {}", run.written, SizeText(run.bytes))};
+  if (!run.choices.empty()) lines.insert(lines.begin() + 1, run.choices);
+  return lines;
+}
+
+std::string ChoicesText(const Choices& choices) {
+  std::vector<std::string> words;
+  const auto add = [&words](const char* option, const std::string& value) {
+    words.push_back(fmt::format("{} {}", option, ShellWord(value)));
+  };
+  for (const std::string& filter : choices.added) add("--add", filter);
+  for (const std::string& set : choices.set) add("--set", set);
+  if (!choices.controllers.empty()) {
+    add("--controllers", fmt::format("{}", fmt::join(choices.controllers, ",")));
+  }
+  if (!choices.priority.empty()) add("--priority", choices.priority);
+  return fmt::format("{}", fmt::join(words, " "));
 }
 
 std::string SizeText(std::uintmax_t bytes) {

@@ -108,8 +108,9 @@ struct FinishedStudy {
   Study study;
   StudyResult result;
   Summary summary;
-  bool comparison = false;                    // of several seeds, as asked; else one run
-  std::filesystem::path folder = {};          // of its files: paths in them are relative to it
+  bool comparison = false;            // of several seeds, as asked; else one run
+  std::filesystem::path folder = {};  // of its files: paths in them are relative to it
+  std::string choices = {};           // options that changed the scenario, see ChoicesText()
   std::vector<SmoothingRank> smoothing = {};  // where the reference is a smoothed recording
 };
 

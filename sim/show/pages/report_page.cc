@@ -206,10 +206,11 @@ std::string Facts(const FinishedStudy& finished) {
                                 ? fmt::format("seed {}", first)
                                 : fmt::format("{} seeds, {} to {}: {}", result.seeds.size(), first,
                                               last, WhatVaries(result));
-  return fmt::format("{} at {:g} Hz · {} · {} controllers · {} · compared with {}",
+  return fmt::format("{} at {:g} Hz · {} · {} controllers · {} · compared with {}{}",
                      DurationText(result), result.first_glove->rate_hz,
                      Measured(finished.study, result), result.controller_names.size(), seeds,
-                     result.reference_name);
+                     result.reference_name,
+                     finished.choices.empty() ? "" : " · changed by " + finished.choices);
 }
 
 /// Ways of a trial's samples, of the measured joints.
@@ -310,6 +311,7 @@ std::string ReportPage(const FinishedStudy& finished, const VideoBeside& video) 
                 .question = finished.study.scenario.question,
                 .headline = Headline(finished.summary),
                 .numbers = HeadlineDifferences(finished.summary),
+                .of_numbers = "#scores",
                 .answer =
                     fmt::format("{}", fmt::join(finished.summary.answer.verdict.Answer(), " "))},
        .facts = Facts(finished),

@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/base/json.h"
 #include "sim/base/limited_text.h"
+#include "sim/base/output_file.h"
 #include "sim/results/html_text.h"
 #include "sim/results/runs.h"
 #include "sim/show/figure/panel.h"
@@ -120,11 +121,15 @@ std::string ItemOf(const Run& run, const fs::path& folder) {
     const fs::path link = fs::proximate(page, folder, error);
     name = fmt::format("<a href=\"{}\">{}</a>", EscapeHtml(UrlOf(link)), name);
   }
+  const std::string choices =
+      run.choices.empty()
+          ? ""
+          : fmt::format("<p class=\"note\"><code>{}</code></p>\n", EscapeHtml(run.choices));
   return fmt::format(
-      "<li>\n<div><h3>{}</h3>\n<p class=\"note\">{}</p>\n<p>{}</p>\n<p class=\"note small\">{} · "
+      "<li>\n<div><h3>{}</h3>\n<p class=\"note\">{}</p>\n{}<p>{}</p>\n<p class=\"note small\">{} · "
       "{}</p></div>\n{}</li>\n",
-      name, EscapeHtml(run.question), EscapeHtml(run.answer), run.written, SizeText(run.bytes),
-      PictureOf(PlacesOf(run.folder)));
+      name, EscapeHtml(run.question), choices, EscapeHtml(run.answer), run.written,
+      SizeText(run.bytes), PictureOf(PlacesOf(run.folder)));
 }
 
 }  // namespace
@@ -148,6 +153,12 @@ std::string RunsPage(const std::vector<Run>& runs, const fs::path& folder) {
                     .table = runs.empty() ? "<p class=\"note\">None.</p>\n"
                                           : "<ul class=\"runs\">\n" + items + "</ul>\n",
                     .sections = ""});
+}
+
+void WriteRunsPage(const std::vector<Run>& runs, const fs::path& page) {
+  RefuseInput(page);
+  MakeDirectoryOf(page);
+  WriteOutputFile(page, RunsPage(runs, page.has_parent_path() ? page.parent_path() : "."));
 }
 
 }  // namespace gauntlet::sim

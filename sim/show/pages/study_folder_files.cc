@@ -28,9 +28,10 @@ VideoBeside VideoOfPage(const FinishedStudy& finished, bool is_drawn) {
 
 }  // namespace
 
-OutputFiles FilesOfStudy(const std::filesystem::path& folder) {
-  return OutputFiles({.folder = folder,
+OutputFiles FilesOfStudy(const FinishedStudy& study) {
+  return OutputFiles({.folder = study.folder,
                       .command = "run or compare",
+                      .choices = study.choices,
                       .results = {"report.html", "scores.json", "scores.csv", "trace.h5",
                                   "scenario.resolved.yaml", kAnswerFile, kVerboseAnswerFile}});
 }

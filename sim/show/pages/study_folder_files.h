@@ -9,8 +9,9 @@
 
 namespace gauntlet::sim {
 
-/// The files of `run` and `compare`, to be made before the trials. Errors: as OutputFiles.
-OutputFiles FilesOfStudy(const std::filesystem::path& folder);
+/// The files of `run` and `compare` in the folder of a study that is not finished yet, to be made
+/// before the trials. Errors: as OutputFiles.
+OutputFiles FilesOfStudy(const FinishedStudy& study);
 
 /// report.html of a finished study. `has_video`: comparison.mp4 will stand beside.
 std::string StudyPage(const FinishedStudy& finished, bool has_video);
