@@ -206,11 +206,10 @@ std::string Facts(const FinishedStudy& finished) {
                                 ? fmt::format("seed {}", first)
                                 : fmt::format("{} seeds, {} to {}: {}", result.seeds.size(), first,
                                               last, WhatVaries(result));
-  return fmt::format("{} at {:g} Hz · {} · {} controllers · {} · compared with {}{}",
+  return fmt::format("{} at {:g} Hz · {} · {} controllers · {} · compared with {}",
                      DurationText(result), result.first_glove->rate_hz,
                      Measured(finished.study, result), result.controller_names.size(), seeds,
-                     result.reference_name,
-                     finished.choices.empty() ? "" : " · changed by " + finished.choices);
+                     result.reference_name);
 }
 
 /// Ways of a trial's samples, of the measured joints.
