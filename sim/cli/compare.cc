@@ -22,6 +22,7 @@
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/results/table_text.h"
+#include "sim/results/runs.h"
 #include "sim/score/priority.h"
 #include "sim/show/pages/score_table.h"
 #include "sim/show/pages/study_folder_files.h"
@@ -206,6 +207,10 @@ void RunStudyCommand(const StudyCommand& asked) {
   Scenario scenario = ReadScenario(source, options);
   FinishedStudy finished;
   finished.comparison = options.comparison;
+  finished.choices = ChoicesText({.set = asked.overrides,
+                                  .added = asked.added,
+                                  .controllers = asked.controllers,
+                                  .priority = asked.priority});
   const std::string out = OutputOf(options, scenario.name);
   SetSignalFolder(out);
   finished.study = PrepareStudy(source, std::move(scenario));
@@ -214,7 +219,7 @@ void RunStudyCommand(const StudyCommand& asked) {
   if (options.video) CheckVideoTarget(VideoOf(out));
   OutputFolder folder(out);
   finished.folder = folder.path();
-  OutputFiles files = FilesOfStudy(folder.path());
+  OutputFiles files = FilesOfStudy(finished);
   const std::optional<std::string> not_kept = Compute(options, finished);
   WriteStudyFolder(finished, {.csv = options.csv, .mcap = options.mcap}, options.video, files);
   folder.Keep();

@@ -6,7 +6,7 @@
 #include "sim/cli/standard_streams.h"
 #include "sim/results/answer_files.h"
 #include "sim/results/runs.h"
-#include "sim/show/pages/runs_page.h"
+#include "sim/show/pages/pages.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -53,6 +53,9 @@ std::string FoldersPage(std::vector<StudyFolder> folders);
 /// pages of the folders, as seen from `folder`, where the page will stand.
 std::string RunsPage(const std::vector<Run>& runs, const std::filesystem::path& folder);
 
+/// Writes it, with its folder. Errors: UserError for a file that was read; RunError.
+void WriteRunsPage(const std::vector<Run>& runs, const std::filesystem::path& page);
+
 /// An inspection as a page without scripts: the health of the sensors, the worst first, with what
 /// to do; the joints with unit and assumptions; a small picture of each channel over time.
 std::string InspectionPage(const Inspection& inspection);
