@@ -13,4 +13,8 @@ class FewSignalsOnHeap {
   FewSignalsOnHeap& operator=(const FewSignalsOnHeap&) = delete;
 };
 
+/// Gives the system what was freed on the heap and is kept for the next trial, while a
+/// FewSignalsOnHeap exists; else nothing. Between trials, and before what is made of all of them.
+void ReturnFreedMemory();
+
 }  // namespace gauntlet::sim

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -202,6 +203,10 @@ const SignalStorageLimits& GetSignalStorageLimits() { return limits; }
 
 FewSignalsOnHeap::FewSignalsOnHeap() { ++wishes_for_few; }
 FewSignalsOnHeap::~FewSignalsOnHeap() { --wishes_for_few; }
+
+void ReturnFreedMemory() {
+  if (wishes_for_few > 0) malloc_trim(0);
+}
 
 void SetSignalFolder(const fs::path& folder) {
   std::error_code ignored;

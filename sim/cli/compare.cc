@@ -132,7 +132,10 @@ Scenario ReadScenario(const ScenarioSource& source, StudyCommand& options) {
 }
 
 StudyWork WorkOf(const StudyCommand& options) {
-  return {.seeds = options.seeds, .jobs = JobsOrCores(options.jobs), .causes = CausesOf(options)};
+  return {.seeds = options.seeds,
+          .jobs = JobsOrCores(options.jobs),
+          .causes = CausesOf(options),
+          .traces_go = true};
 }
 
 /// The number of trials, and how long they take on this computer.
@@ -221,10 +224,12 @@ void RunStudyCommand(const StudyCommand& asked) {
   finished.folder = folder.path();
   OutputFiles files = FilesOfStudy(finished);
   const std::optional<std::string> not_kept = Compute(options, finished);
-  WriteStudyFolder(finished, {.csv = options.csv, .mcap = options.mcap}, options.video, files);
+  const std::string answer =
+      options.json ? ScoresJson(finished)
+                   : TextOf(ScoreText(finished, options.verbose), StyleOf(options.terminal));
+  WriteLastStudyFolder(finished, {.csv = options.csv, .mcap = options.mcap}, options.video, files);
   folder.Keep();
-  PrintText(options.json ? ScoresJson(finished)
-                         : TextOf(ScoreText(finished, options.verbose), StyleOf(options.terminal)));
+  PrintText(answer);
   FlushOutput();
   if (options.video) DrawVideo(options, folder.path());
   SayWritten(options, folder.path());

@@ -65,6 +65,7 @@ double AllJoints::GroupJitter_rad(const FilteredSignal& jitter, std::span<const 
         input.rate_hz, input.jitter_above_hz);
     const double rms_rad =
         RmsWithin(Column(jitter.values, joint, jitter.values.rows()), jitter.first_sample, counted);
+    TrimSignals();
     if (!std::isfinite(rms_rad)) continue;
     sum_rad += rms_rad;
     ++joints;

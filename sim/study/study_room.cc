@@ -21,7 +21,8 @@ Eigen::Index LongestTicks(const Study& study) {
 
 /// Space that a study needs while it runs, its trace file and page included.
 struct Needs {
-  double disk_bytes = 0.0;
+  double signal_bytes = 0.0;  // of the signals that exist at once, wherever they are
+  double disk_bytes = 0.0;    // the files beside them, too
   double memory_bytes = 0.0;
 };
 
@@ -45,18 +46,22 @@ Needs NeedsOf(const Study& study, const StudyOptions& options) {
                  : 1.0;
   const double causes = joints * ((plan.switched ? kSwitchedCauseCount * share_of_trial : 0.0) +
                                   (plan.chain ? static_cast<double>(kCauseTrialCount) : 0.0));
-  const double trace = 2.0 * channels + 2.0 * joints + 2.625 * motors + cables +
-                       kObjectDigitsAndPalm + twin + causes;
+  const double trace =
+      2.0 * channels + 2.0 * joints + 2.625 * motors + cables + kObjectDigitsAndPalm + twin;
   const double in_passing =
       9.0 * joints + 0.5 * motors;  // what the scores or the page make and forget
-  const double kept = glove + controllers * trace;
-  const double in_file = 0.5 * kept;
+  const double kept = glove + controllers * trace + (plan.controller ? 1.0 : controllers) * causes;
+  const double signals = kept + others * (glove + trace + causes) + in_passing;
+  // Numbers of 32 bits. Signals that go as they are written take the most space when those of the
+  // first controller are there twice.
+  const double in_file = 0.5 * (options.traces_go ? glove + trace + causes : kept);
   const auto ticks = static_cast<double>(LongestTicks(study));
   // Columns that the scores of one joint make and forget.
   constexpr double kColumns = 4.0;
   constexpr double kRest = 300e6;
-  return {.disk_bytes =
-              ticks * sizeof(double) * (kept + in_file + others * (glove + trace) + in_passing),
+  return {.signal_bytes = ticks * sizeof(double) * signals,
+          .disk_bytes = ticks * sizeof(double) *
+                        (options.traces_go ? std::max(signals, kept + in_file) : signals + in_file),
           .memory_bytes = ticks * kColumns * sizeof(double) + kRest};
 }
 
@@ -77,7 +82,7 @@ double AvailableMemory() {
 std::shared_ptr<const FewSignalsOnHeap> CheckRoom(const Study& study, const StudyOptions& options) {
   const Needs needs = NeedsOf(study, options);
   const auto on_heap = static_cast<double>(GetSignalStorageLimits().all_on_heap_bytes);
-  if (needs.disk_bytes < on_heap) return nullptr;
+  if (needs.signal_bytes < on_heap) return nullptr;
   const auto fail = [&](double needed, std::string_view where, double free) {
     throw RunError(fmt::format(
         "{:.6g} s of {} need about {:.1f} GB {}, {:.1f} GB are free: a shorter "
@@ -97,9 +102,9 @@ std::shared_ptr<const FewSignalsOnHeap> CheckRoom(const Study& study, const Stud
   if (needs.memory_bytes > free_memory) fail(needs.memory_bytes, "of memory", free_memory);
   // Writing to the disk takes a larger share of the time of a shorter study, and without a hand as
   // long as the trials themselves.
-  const double long_from = on_heap * (options.physics ? 2.0 : 8.0);
+  const double long_from = on_heap * (options.physics ? 1.4 : 5.6);
   std::shared_ptr<const FewSignalsOnHeap> few;
-  if (needs.disk_bytes >= long_from) few = std::make_shared<const FewSignalsOnHeap>();
+  if (needs.signal_bytes >= long_from) few = std::make_shared<const FewSignalsOnHeap>();
   rlimit addresses{};
   if (getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur == RLIM_INFINITY) {
     return few;

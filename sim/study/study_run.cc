@@ -246,6 +246,7 @@ class StudyRun {
 
   /// One trial, with the signals that its scores need.
   void RunTrialOf(TrialTask& task) {
+    ReturnFreedMemory();  // of the recording, of the glove, of the last trial's scores
     const std::size_t seed_index = task.seed_index;
     const std::size_t controller_index = task.controller;
     const SeedGloves::Shared& glove = *task.gloves.shared;

@@ -51,6 +51,8 @@ struct StudyOptions {
   std::function<void(const std::string&)> remark = {};
   /// Keep the glove signal and the traces of the first seed.
   bool keep_first_traces = true;
+  /// The caller lets them go as it writes them, see WriteLastStudyFiles(): less disk is needed.
+  bool traces_go = false;
   /// Keep the scores of every joint, motor and cable; false: only their means, in a thousandth of
   /// the memory.
   bool keep_rows = true;

@@ -11,6 +11,8 @@
 #include "sim/answers/compare/study_files.h"
 #include "sim/base/error.h"
 #include "sim/show/pages/report_page.h"
+#include "sim/show/pages/score_table.h"
+#include "sim/study/study_room.h"
 #include "tests/support/program.h"
 #include "tests/support/signal_limits.h"
 
@@ -38,6 +40,16 @@ Scenario ShortScenario(double rate_hz) {
   return scenario;
 }
 
+/// The files in a folder, by name.
+std::map<std::string, std::string> ContentOf(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    std::ifstream file(entry.path(), std::ios::binary);
+    files[entry.path().filename()] = {std::istreambuf_iterator<char>(file), {}};
+  }
+  return files;
+}
+
 /// All that a comparison of two seeds writes, by name; the page is `report.html`.
 std::map<std::string, std::string> FilesOf(const Scenario& scenario) {
   FinishedStudy finished;
@@ -47,11 +59,7 @@ std::map<std::string, std::string> FilesOf(const Scenario& scenario) {
   finished.summary = Summarise(finished.study, finished.result);
   const test::TemporaryDirectory folder;
   WriteStudyFiles(folder.path(), finished, {.csv = true});
-  std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
-    std::ifstream file(entry.path(), std::ios::binary);
-    files[entry.path().filename()] = {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::map<std::string, std::string> files = ContentOf(folder.path());
   files["report.html"] = ReportPage(finished, {});
   return files;
 }
@@ -72,6 +80,50 @@ TEST(LongTrial, WritesTheSameBytes) { ExpectTheSameOnDisk(ShortScenario(1000.0))
 
 TEST(LongTrial, WritesTheSameBytesOfASlowGlove) { ExpectTheSameOnDisk(ShortScenario(33.3)); }
 
+TEST(LongTrial, WritesTheSameBytesWhereSignalsGoAsTheyAreWritten) {
+  FinishedStudy finished;
+  finished.comparison = true;
+  finished.study = PrepareStudy(ShortScenario(1000.0));
+  finished.result = RunStudy(finished.study, {.causes = CauseSeeds::kFirst});
+  finished.summary = Summarise(finished.study, finished.result);
+  const test::TemporaryDirectory folder, last;
+  const TraceFormats formats{.csv = true, .mcap = true};
+  WriteStudyFiles(folder.path(), finished, formats);
+  ASSERT_GT(finished.result.first_others.back().switched_off.back().size(), 0);
+  WriteLastStudyFiles(last.path(), finished, formats);
+  EXPECT_EQ(ContentOf(folder.path()).size(), 7U);
+  EXPECT_TRUE(ContentOf(folder.path()) == ContentOf(last.path()));
+  for (std::size_t c = 0; c < 2; ++c) {
+    EXPECT_EQ(finished.result.first_traces[c].hand_angle_rad.size(), 0);
+    EXPECT_EQ(finished.result.first_traces[c].tension_n.size(), 0);
+    EXPECT_FALSE(finished.result.first_twins[c]);
+    EXPECT_EQ(finished.result.first_others[c].switched_off.back().size(), 0);
+  }
+}
+
+TEST(LongTrial, NeedsLessDiskWhereSignalsGoAsTheyAreWritten) {
+  const Study study = PrepareStudy(ShortScenario(1000.0));
+  const auto fits = [&study](std::uintmax_t bytes, const StudyOptions& options) {
+    SignalStorageLimits limits = test::AllOnDisk();
+    limits.all_on_heap_bytes = 0;
+    limits.all_on_disk_bytes = bytes;
+    const test::SignalLimits set(limits);
+    try {
+      CheckRoom(study, options);
+      return true;
+    } catch (const RunError&) {
+      return false;
+    }
+  };
+  const auto needed = [&fits](const StudyOptions& options) {
+    std::uintmax_t low = 0, high = 1 << 30;
+    while (high - low > 1) (fits((low + high) / 2, options) ? high : low) = (low + high) / 2;
+    return static_cast<double>(high);
+  };
+  // The trace file has all signals again, in half the bytes; or those of one of two controllers.
+  EXPECT_LT(needed({.traces_go = true}), 0.85 * needed({}));
+}
+
 TEST(LongTrial, KeepsTheMemoryOfItsGloveFlat) {
   GloveConfig config;
   config.motion.settings = HoldConfig{.duration_s = 300.0};
@@ -84,6 +136,25 @@ TEST(LongTrial, KeepsTheMemoryOfItsGloveFlat) {
   getrusage(RUSAGE_SELF, &after);
   EXPECT_EQ(glove.counts.rows(), 300'000);
   EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 80 << 10);  // KiB
+}
+
+// The page and both tables ask for it, without any other use of the signal between them.
+TEST(LongTrial, LooksForJointsAtRestInOneColumnAfterTheOther) {
+  const Study study = PrepareStudy(ShortScenario(1000.0));
+  SignalStorageLimits limits = test::AllOnDisk();
+  limits.resident_bytes = std::size_t{48} << 20;
+  const test::SignalLimits set(limits);
+  StudyResult result;
+  result.first_reference_rad = Signal(1'500'000, study.joint_count);  // 12 MB a column
+  for (int joint = 0; joint < study.joint_count; ++joint) {
+    result.first_reference_rad.col(joint).setLinSpaced(0.0, joint % 2);
+    TrimSignals();
+  }
+  rusage before{}, after{};
+  getrusage(RUSAGE_SELF, &before);
+  EXPECT_THAT(Measured(study, result), HasSubstr("of them at rest"));
+  getrusage(RUSAGE_SELF, &after);
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 24 << 10);  // KiB; all columns: 150 MB and more
 }
 
 TEST(LongTrial, LeavesFewSignalsOnTheHeapAsLongAsItsResultExists) {

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -231,8 +232,10 @@ bool Program::Advance() {
   ReadOutput();
 
   int status = 0;
-  if (waitpid(process_, &status, WNOHANG) == process_) {
+  rusage used{};
+  if (wait4(process_, &status, WNOHANG, &used) == process_) {
     ended_ = true;
+    result_.peak_memory_kib = used.ru_maxrss;
     ReadOutput();
     if (WIFEXITED(status)) result_.exit_code = WEXITSTATUS(status);
     if (WIFSIGNALED(status)) result_.signal = WTERMSIG(status);

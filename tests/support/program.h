@@ -26,6 +26,7 @@ struct ProgramResult {
   int exit_code = -1;  // -1: ended by a signal
   int signal = 0;      // 0: ended by itself
   bool timed_out = false;
+  long peak_memory_kib = 0;  // of the largest of it and its own programs
   std::string standard_output;
   std::string standard_error;
 };

@@ -33,6 +33,7 @@ StudyResult RunTrials(const Study& study, const StudyWork& work, TrialStore* sto
                           .progress = work.progress,
                           .remark = work.remark,
                           .keep_first_traces = true,
+                          .traces_go = work.traces_go,
                           .causes = work.causes,
                           .store = store});
 }

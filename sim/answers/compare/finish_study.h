@@ -13,6 +13,7 @@ struct StudyWork {
   int seeds = 1;
   int jobs = 1;
   CauseSeeds causes = CauseSeeds::kAuto;
+  bool traces_go = false;                             // see StudyOptions
   std::function<bool(double, int)> progress = {};     // see StudyOptions
   std::function<void(const std::string&)> note = {};  // a line about trials that are known already
   std::function<void(const std::string&)> remark = {};  // see StudyOptions

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <type_traits>
 #include <variant>
 
 #include "sim/answers/compare/decisive_second.h"
@@ -18,6 +19,7 @@
 #include "sim/study/scenario/scenario_files.h"
 #include "sim/trial/external/own_objects.h"
 #include "sim/trial/trace_file.h"
+#include "sim/trial/trace_signals.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -274,31 +276,59 @@ std::string ResolvedScenario(const FinishedStudy& finished) {
   return notes + ScenarioToYaml(scenario, finished.folder);
 }
 
+namespace {
+
+/// What needs the signals of all controllers together comes before WriteTraces().
+void WriteScores(const std::filesystem::path& folder, const FinishedStudy& finished) {
+  WriteOutputFile(folder / "scenario.resolved.yaml", ResolvedScenario(finished));
+  WriteOutputFile(folder / "scores.csv", ScoresCsv(finished.result));
+  WriteOutputFile(folder / "scores.json", ScoresJson(finished));
+}
+
+/// `is_written` gets the number of each controller whose signals no other file needs.
+template <class IsWritten>
+void WriteTraces(const std::filesystem::path& folder, const FinishedStudy& finished,
+                 const TraceFormats& formats, const IsWritten& is_written) {
+  const HandModel& hand = *finished.study.hand;
+  const StudyResult& result = finished.result;
+  if (result.first_traces.empty()) return;
+  if (formats.mcap) {
+    WriteTraceMcap(folder / "trace.mcap", *result.first_glove, result.first_reference_rad, hand,
+                   result.first_traces);
+  }
+  TraceWriter trace_file(folder / "trace.h5", *result.first_glove, result.first_reference_rad, hand,
+                         finished.study.scenario.name, result.seeds[0].seed);
+  for (std::size_t c = 0; c < result.first_traces.size(); ++c) {
+    const Trace& trace = result.first_traces[c];
+    trace_file.Add(trace, result.first_twins[c] ? &*result.first_twins[c] : nullptr,
+                   result.first_others[c]);
+    if (formats.csv) {
+      WriteTraceCsv(folder / fmt::format("trace.{}.csv", trace.controller_name),
+                    *result.first_glove, hand, trace);
+    }
+    is_written(c);
+  }
+  trace_file.Commit();
+}
+
+}  // namespace
+
 void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& finished,
                      const TraceFormats& formats) {
-  const Study& study = finished.study;
-  const StudyResult& result = finished.result;
-  if (!result.first_traces.empty()) {
-    TraceWriter trace_file(folder / "trace.h5", *result.first_glove, result.first_reference_rad,
-                           *study.hand, study.scenario.name, result.seeds[0].seed);
-    for (std::size_t c = 0; c < result.first_traces.size(); ++c) {
-      const Trace& trace = result.first_traces[c];
-      trace_file.Add(trace, result.first_twins[c] ? &*result.first_twins[c] : nullptr,
-                     result.first_others[c]);
-      if (formats.csv) {
-        WriteTraceCsv(folder / fmt::format("trace.{}.csv", trace.controller_name),
-                      *result.first_glove, *study.hand, trace);
-      }
-    }
-    trace_file.Commit();
-    if (formats.mcap) {
-      WriteTraceMcap(folder / "trace.mcap", *result.first_glove, result.first_reference_rad,
-                     *study.hand, result.first_traces);
-    }
-  }
-  WriteOutputFile(folder / "scenario.resolved.yaml", ResolvedScenario(finished));
-  WriteOutputFile(folder / "scores.csv", ScoresCsv(result));
-  WriteOutputFile(folder / "scores.json", ScoresJson(finished));
+  WriteScores(folder, finished);
+  WriteTraces(folder, finished, formats, [](std::size_t) {});
+}
+
+void WriteLastStudyFiles(const std::filesystem::path& folder, FinishedStudy& finished,
+                         const TraceFormats& formats) {
+  WriteScores(folder, finished);
+  StudyResult& result = finished.result;
+  WriteTraces(folder, finished, formats, [&result](std::size_t controller) {
+    ForEachSignal(result.first_traces[controller],
+                  [](const auto&, auto& matrix) { matrix = std::decay_t<decltype(matrix)>(); });
+    result.first_twins[controller].reset();
+    result.first_others[controller] = {};
+  });
 }
 
 }  // namespace gauntlet::sim

@@ -342,6 +342,7 @@ std::string WhatVaries(const StudyResult& result) {
 std::string Measured(const Study& study, const StudyResult& result) {
   const Signal& reference_rad = result.first_reference_rad;
   const auto rests = [&](int joint) {
+    TrimSignals();
     const auto angle_rad = reference_rad.col(joint).array();
     return std::sqrt((angle_rad - angle_rad.mean()).square().mean()) < kStillRms_rad;
   };

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "sim/answers/compare/decisive_second.h"
+#include "sim/base/few_signals_on_heap.h"
 #include "sim/base/output_file.h"
 #include "sim/results/answer_files.h"
 #include "sim/show/pages/report_page.h"
@@ -26,6 +27,14 @@ VideoBeside VideoOfPage(const FinishedStudy& finished, bool is_drawn) {
   return video;
 }
 
+void WritePageAndAnswer(const std::filesystem::path& place, const FinishedStudy& finished,
+                        bool has_video) {
+  ReturnFreedMemory();
+  WriteOutputFile(place / "report.html", StudyPage(finished, has_video));
+  WriteAnswer(place, ScoreText(finished, false), ScoreText(finished, true));
+  ReturnFreedMemory();
+}
+
 }  // namespace
 
 OutputFiles FilesOfStudy(const FinishedStudy& study) {
@@ -43,9 +52,17 @@ std::string StudyPage(const FinishedStudy& finished, bool has_video) {
 void WriteStudyFolder(const FinishedStudy& finished, const TraceFormats& formats, bool has_video,
                       OutputFiles& files) {
   files.Write([&](const std::filesystem::path& place) {
+    WritePageAndAnswer(place, finished, has_video);
     WriteStudyFiles(place, finished, formats);
-    WriteOutputFile(place / "report.html", StudyPage(finished, has_video));
-    WriteAnswer(place, ScoreText(finished, false), ScoreText(finished, true));
+  });
+  files.Commit();
+}
+
+void WriteLastStudyFolder(FinishedStudy& finished, const TraceFormats& formats, bool has_video,
+                          OutputFiles& files) {
+  files.Write([&](const std::filesystem::path& place) {
+    WritePageAndAnswer(place, finished, has_video);
+    WriteLastStudyFiles(place, finished, formats);
   });
   files.Commit();
 }
