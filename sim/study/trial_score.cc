@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/base/few_signals_on_heap.h"
 #include "sim/study/counted_parts.h"
 #include "sim/trial/latency_of_trace.h"
 
@@ -204,6 +205,7 @@ Scores ScoreTrial(const Study& study, const controller::ControllerConfig& contro
                   const GloveSignal& glove, const Signal& reference_rad, const Trace& trace,
                   const std::optional<NoiseFreeTwin>& twin, std::span<const std::size_t> metrics,
                   const CauseAngles& others, std::span<const TickRange> left_out) {
+  ReturnFreedMemory();  // of the trial, or of other scores
   const Columns reference(reference_rad, study.measured_joints);
   const Columns hand(trace.hand_angle_rad, study.measured_joints);
   const std::optional<CountedParts> counted =

@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -117,6 +119,25 @@ TEST(Signal, IsOnTheDiskWhereFewAreWantedOnTheHeap) {
   }
   EXPECT_FALSE(of_mb(5).is_on_disk());
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their heap is another one
+TEST(Signal, GivesFreedMemoryBackWhereFewAreWanted) {
+  const auto resident_mb = [] {
+    long pages = 0, resident_pages = 0;
+    std::ifstream("/proc/self/statm") >> pages >> resident_pages;
+    return (resident_pages * sysconf(_SC_PAGESIZE)) >> 20;
+  };
+  std::vector<std::string> blocks;
+  for (int i = 0; i < 1024; ++i) blocks.emplace_back(std::size_t{64} << 10, 'x');
+  const long full_mb = resident_mb();
+  blocks.erase(blocks.begin(), blocks.end() - 1);  // which is behind all others
+  ReturnFreedMemory();
+  EXPECT_GT(resident_mb(), full_mb - 16);
+  const FewSignalsOnHeap few;
+  ReturnFreedMemory();
+  EXPECT_LT(resident_mb(), full_mb - 48);
+}
+#endif
 
 TEST(Signal, LeavesNoNameInItsFolder) {
   const test::TemporaryDirectory folder;

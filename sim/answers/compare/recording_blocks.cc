@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "sim/base/few_signals_on_heap.h"
 #include "sim/base/threads.h"
 #include "sim/score/jitter.h"
 #include "sim/score/tracking.h"
@@ -82,6 +83,7 @@ double CorrelationOf(const Study& study, const StudyResult& result,
     const FilteredSignal high =
         Trembling(*hand, rate_hz, study.scenario.score.jitter_above_hz, fourier);
     of_jitter.push_back(PartsOfRms(high.values, high.first_sample, counted, ticks, bin_ticks));
+    ReturnFreedMemory();
   }
   AddDifferences(of_error, "tracking_rmse_deg", differences);
   AddDifferences(of_jitter, "jitter_rms_deg", differences);
