@@ -58,6 +58,21 @@ double MeanNearMedian(const std::vector<double>& values) {
   return sum / count;
 }
 
+/// Standard deviation of the means of four neighbours, from quantiles: spikes do not change it.
+double SlowDeviation(const std::vector<double>& values) {
+  constexpr std::size_t kNeighbours = 4;
+  constexpr double kTail = 0.05;
+  constexpr double kDeviations = 3.29;  // between the tails of a normal distribution
+  std::vector<double> means;
+  for (std::size_t i = 0; i + kNeighbours <= values.size(); i += kNeighbours) {
+    double sum = 0.0;
+    for (std::size_t k = i; k < i + kNeighbours; ++k) sum += values[k];
+    means.push_back(sum / kNeighbours);
+  }
+  if (means.empty()) return 0.0;
+  return (Quantile(means, 1.0 - kTail) - Quantile(means, kTail)) / kDeviations;
+}
+
 void AddThinned(std::vector<double>& values, double value) {
   if (values.size() < 4 * kMostKept) values.push_back(value);
 }
@@ -115,6 +130,11 @@ void TableStatistics::AddTime(double time_s) {
   if (interval_s == 0.0) ++time_.repeats;
   time_.duration_s += interval_s;
   ++intervals_;
+  if (interval_s > 0.0) {
+    if (first_step_ == 0) first_step_ = intervals_, first_step_s_ = time_.duration_s;
+    newest_step_ = intervals_;
+    newest_step_s_ = time_.duration_s;
+  }
   if (intervals_ % every_ == 0) AddThinned(intervals_s_, interval_s);
   window_s_ += interval_s;
   if (++in_window_ == kWindow) {
@@ -184,6 +204,7 @@ ColumnStatistics TableStatistics::Column(std::size_t column) const {
   constexpr double kRareShare = 0.005;
   statistics.usual_low = values.empty() ? statistics.low : Quantile(values, kRareShare);
   statistics.usual_high = values.empty() ? statistics.high : Quantile(values, 1.0 - kRareShare);
+  statistics.slow = SlowDeviation(values);
   statistics.commonest_share = CommonestShare(std::move(values));
   const double rows = static_cast<double>(std::max<std::size_t>(statistics.good_rows, 1));
   statistics.still_share = static_cast<double>(watch.still_rows) / rows;
@@ -226,6 +247,10 @@ TimeStatistics TableStatistics::Time() const {
   const double usual_s =
       window_means_s_.empty() ? UsualInterval(intervals_s_) : MeanNearMedian(window_means_s_);
   time.rate_hz = 1.0 / usual_s;
+  if (newest_step_ > first_step_) {
+    time.mean_rate_hz =
+        static_cast<double>(newest_step_ - first_step_) / (newest_step_s_ - first_step_s_);
+  }
   constexpr double kTail = 0.05;
   time.short_ms = 1e3 * Quantile(intervals_s_, kTail);
   time.long_ms = 1e3 * Quantile(intervals_s_, 1.0 - kTail);

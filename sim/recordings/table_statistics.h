@@ -14,9 +14,10 @@ struct ColumnStatistics {
   double high = 0.0;
   double usual_low = 0.0;  // 0.5 % quantile of the rows
   double usual_high = 0.0;
-  double step = 0.0;           // smallest nonzero difference of neighbours; 0: constant
-  double noise = 0.0;          // standard deviation, from second differences
-  double change = 0.0;         // standard deviation of steps from row to row
+  double step = 0.0;    // smallest nonzero difference of neighbours; 0: constant
+  double noise = 0.0;   // standard deviation, from second differences
+  double change = 0.0;  // standard deviation of steps from row to row
+  double slow = 0.0;    // standard deviation of means of four kept rows; of noise alone half of it
   double spike_share = 0.0;    // rows far from both neighbours, on one side of them
   double still_share = 0.0;    // rows equal to the row before
   double clipped_share = 0.0;  // rows at the lowest or highest value, if frequent
@@ -32,9 +33,10 @@ struct ColumnStatistics {
 struct TimeStatistics {
   double duration_s = 0.0;  // without jumps between two starts of the clock
   double rate_hz = 0.0;
-  double short_ms = 0.0;    // 5 % quantile of the intervals
-  double long_ms = 0.0;     // 95 % quantile
-  std::size_t missing = 0;  // rows without a time
+  double mean_rate_hz = 0.0;  // from the first step of the clock to the last; 0 with fewer than two
+  double short_ms = 0.0;      // 5 % quantile of the intervals
+  double long_ms = 0.0;       // 95 % quantile
+  std::size_t missing = 0;    // rows without a time
   std::size_t repeats = 0;
   std::size_t restarts = 0;  // of the clock, or rows out of order
   std::size_t gaps = 0;      // intervals of more than five usual ones
@@ -90,6 +92,9 @@ class TableStatistics {
   std::vector<double> window_means_s_;
   std::size_t intervals_ = 0;
   TimeStatistics time_;
+  // Number of the interval, and duration, at the first and the newest step of the clock.
+  std::size_t first_step_ = 0, newest_step_ = 0;
+  double first_step_s_ = 0.0, newest_step_s_ = 0.0;
   std::vector<double> longest_s_;  // the longest intervals
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -43,7 +44,11 @@ bool NamesOther(std::string_view name) {
   return is_hand || HasWordOf(words, kRowNumbers) ||
          HasWordOf(words, "x y z w flexion extension flex elbow img image") ||
          std::ranges::any_of(QuantityRules(), [&words](const QuantityRule& rule) {
-           return rule.quantity != Quantity::kTime && HasWordOf(words, rule.words);
+           return rule.quantity != Quantity::kTime &&
+                  std::ranges::any_of(words, [&rule](const std::string& word) {
+                    // us is a microsecond beside a siemens
+                    return !SecondsPerUnit(word) && IsWordOf(rule.words, word);
+                  });
          });
 }
 
@@ -68,6 +73,10 @@ Steps StepsOf(const std::vector<double>& values) {
   constexpr double kNearlyAll = 0.95;
   const double count = static_cast<double>(values.size() - 1);
   steps.usual = UsualInterval(all);
+  // A clock of whole seconds steps in few rows.
+  if (steps.usual == 0.0) {
+    steps.usual = std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
+  }
   steps.rising_share = static_cast<double>(all.size()) / count;
   steps.forward_share = forward / count;
   steps.is_count = ones > kNearlyAll * count;

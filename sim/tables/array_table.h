@@ -39,7 +39,7 @@ std::size_t CountOfRange(double base, double limit, double increment);
 NamedArray RangeArray(const std::string& name, double base, double limit, double increment,
                       std::size_t count);
 
-/// Name of a column of times with their unit: `stamp` in ns is `stamp_time_ns`.
+/// Name of a column of times with their unit: `moment` in ns is `moment_time_ns`.
 std::string NameOfTimes(const std::string& name, std::string_view unit);
 
 /// Without the arrays of texts, but with their facts: names of the columns (as in

@@ -26,7 +26,7 @@ constexpr std::array<Meaning, 5> kFingersElsewhere = {
      {"index", "indice ndice zeigefinger wijsvinger"},  // ndice: behind an accent
      {"middle", "medio majeur medius mittelfinger middelvinger"},
      {"ring", "anulare annulaire anular ringfinger ringvinger"},
-     {"little", "mignolo auriculaire menique kleiner pinkvinger minimo"}}};
+     {"little", "mignolo auriculaire menique kleiner kleinfinger pinkvinger minimo"}}};
 
 constexpr std::array<Meaning, 5> kJoints = {
     {{"mcp", "mcp mpj knuckle proximal inner near"},
@@ -130,6 +130,31 @@ std::vector<std::string> WithDigits(std::vector<std::string> names) {
     *digit = kFingers[static_cast<std::size_t>(number.front() - '1')].means;
     words.erase(digit + 1);
     name = Joined(words);
+  }
+  return names;
+}
+
+std::vector<std::string> WithJoints(std::vector<std::string> names) {
+  constexpr std::array<Meaning, 3> kAnatomy = {{{"mcp", "metacarpophalangeal"},
+                                                {"ip", "interphalangeal"},
+                                                {"cmc", "carpometacarpal trapeziometacarpal"}}};
+  for (std::string& name : names) {
+    std::vector<std::string> words;
+    bool is_changed = false;
+    for (std::string word : WordsOf(name)) {
+      if (word == "phalangeal" && !words.empty() && IsWordOf("inter metacarpo", words.back())) {
+        word = words.back() + word;
+        words.pop_back();
+      }
+      std::string_view joint = MeaningOf(kAnatomy, word);
+      if (joint == "ip" && !words.empty() && IsWordOf("proximal distal", words.back())) {
+        joint = words.back() == "distal" ? "dip" : "pip";
+        words.pop_back();
+      }
+      is_changed = is_changed || !joint.empty();
+      words.push_back(joint.empty() ? word : std::string(joint));
+    }
+    if (is_changed) name = Joined(words);
   }
   return names;
 }

@@ -25,6 +25,10 @@ std::vector<std::string> WithFingers(std::vector<std::string> names);
 /// The names with a finger in place of each `digit 1` (thumb) to `digit 5`, as of Rokoko.
 std::vector<std::string> WithDigits(std::vector<std::string> names);
 
+/// The names with mcp, pip, dip, ip or cmc in place of an anatomical name, as of Rokoko:
+/// `ProximalInterphalangeal`.
+std::vector<std::string> WithJoints(std::vector<std::string> names);
+
 /// The names with fingers in English, if three or more are named in Italian, French, Spanish,
 /// German, Portuguese or Dutch; else none.
 std::vector<std::string> InEnglish(const std::vector<std::string>& names);

@@ -15,6 +15,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/tables/array_files.h"
+#include "sim/tables/array_table.h"
 #include "sim/tables/byte_reader.h"
 #include "sim/tables/checksum.h"
 #include "sim/tables/thrift_value.h"
@@ -82,16 +83,16 @@ std::string_view ReasonToLeaveOut(const ThriftValue& element) {
   return is_number ? "" : "no numbers";
 }
 
-/// Ending that a unit of time adds to the name, by converted_type or logicalType.
+/// Unit of a column of times, by converted_type or logicalType; empty for others.
 std::string_view TimeUnitOf(const ThriftValue& element) {
   constexpr std::int64_t kTimeMs = 7, kTimeUs = 8, kMomentMs = 9, kMomentUs = 10;
   const ThriftValue& logical = element[10];
   const ThriftValue& time = logical.Has(7) ? logical[7] : logical[8];
   const ThriftValue& unit = time[2];
-  if (unit.Has(3) || element.NumberOr(1, -1) == kParquetInt96) return "_ns";
+  if (unit.Has(3) || element.NumberOr(1, -1) == kParquetInt96) return "ns";
   const std::int64_t converted = element.NumberOr(6, -1);
-  if (unit.Has(1) || converted == kTimeMs || converted == kMomentMs) return "_ms";
-  if (unit.Has(2) || converted == kTimeUs || converted == kMomentUs) return "_us";
+  if (unit.Has(1) || converted == kTimeMs || converted == kMomentMs) return "ms";
+  if (unit.Has(2) || converted == kTimeUs || converted == kMomentUs) return "us";
   return "";
 }
 
@@ -130,7 +131,8 @@ class SchemaReader {
     constexpr std::int64_t kFirstUnsigned = 11, kLastUnsigned = 14;
     const std::int64_t converted = element.NumberOr(6, -1);
     leaf.type = element.NumberOr(1, -1);
-    leaf.name = name + std::string(TimeUnitOf(element));
+    const std::string_view time_unit = TimeUnitOf(element);
+    leaf.name = time_unit.empty() ? name : NameOfTimes(name, time_unit);
     leaf.is_unsigned = (converted >= kFirstUnsigned && converted <= kLastUnsigned) ||
                        (element[10][10].Has(2) && element[10][10][2].number == 0);
     if (leaf.type == kParquetInt32 || leaf.type == kParquetInt64) {

@@ -113,7 +113,7 @@ TEST(Npy, OfDatesIsATimeInItsUnit) {
   EXPECT_EQ(array.name, "time_ms");
   EXPECT_EQ(array.values[1], 30.0);
   EXPECT_TRUE(std::isnan(array.values[2]));  // NaT
-  EXPECT_EQ(read("<m8[ns]", "stamp").name, "stamp_time_ns");
+  EXPECT_EQ(read("<m8[ns]", "moment").name, "moment_time_ns");
   EXPECT_EQ(read("<M8[10us]", "glove_t").name, "glove_t_us");
   EXPECT_EQ(read("<M8[10us]", "t").values[0], 200.0);
   EXPECT_EQ(read("<M8[m]", "t").values[0], 1200.0);

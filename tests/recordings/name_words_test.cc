@@ -27,6 +27,12 @@ TEST(WithDigits, CountsFromTheThumb) {
               ElementsAre("right_thumb_distal", "little_flexion", "Digit6", "digit", "digits_2"));
 }
 
+TEST(WithJoints, KnowsAnatomy) {
+  EXPECT_THAT(WithJoints({"index_ProximalInterphalangeal_flexion", "thumb InterPhalangeal",
+                          "ring.metacarpophalangeal", "Distal_Inter_phalangeal", "proximal"}),
+              ElementsAre("index_pip_flexion", "thumb_ip", "ring_mcp", "dip", "proximal"));
+}
+
 TEST(InEnglish, NeedsThreeFingers) {
   EXPECT_THAT(InEnglish({"t", "Daumen [°]", "Mittelfinger", "Kleiner Finger"}),
               ElementsAre("t", "thumb_deg", "middle", "little_finger"));

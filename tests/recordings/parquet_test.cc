@@ -481,6 +481,9 @@ TEST(Parquet, HalvesDecimalsAndOldTimesAreNumbers) {
   const NamedArray time = PlainColumn(3, Number(1, 3) + Number(2, 0) + Text(1, "time"),
                                       stamp(7, 2440588) + stamp(0, 2440589));
   EXPECT_EQ(time.name, "time_ns");
+  const std::string moment = Number(1, 2) + Number(2, 0) + Text(1, "recorded") + Number(2, 10);
+  EXPECT_EQ(PlainColumn(2, moment, Little(std::int64_t{1}) + Little(std::int64_t{2})).name,
+            "recorded_time_us");
   EXPECT_THAT(time.values, ElementsAre(7.0, 86400e9));
   const std::string date = Number(1, 1) + Number(2, 0) + Text(1, "day") + Number(2, 6);
   EXPECT_EQ(PlainColumn(1, date, "").left_out, "dates without a clock");

@@ -31,6 +31,13 @@ TEST(TableStatistics, KeepsFewRowsOfALongTableSpreadOverAllOfIt) {
   EXPECT_NEAR(statistics.Time().duration_s, 0.01 * (kTableRows - 1), 1e-6);
 }
 
+TEST(TableStatistics, CountsTheRowsBetweenTheStepsOfACoarseClock) {
+  TableStatistics statistics(1);
+  const double value = 0.0;
+  for (int row = 0; row < 230; ++row) statistics.Add(std::floor(0.83 + 0.01 * row), {&value, 1});
+  EXPECT_DOUBLE_EQ(statistics.Time().mean_rate_hz, 100.0);
+}
+
 TEST(TableStatistics, RefusesRowsAndColumnsOfAnotherTable) {
   TableStatistics statistics(2);
   const double values[] = {1.0, 2.0, 3.0};

@@ -159,8 +159,10 @@ bool IsOnlyNoise(const InspectedColumn& column) {
   // Second differences of white noise are sqrt(3) times as far from zero as its steps, those of a
   // movement that is sampled four times a period or more less than sqrt(2) times.
   const bool is_white = std::sqrt(6.0) * is.noise > std::sqrt(2.0) * is.change;
+  // A joint that a tracker sees in as much noise moves in neighbouring rows alike.
+  constexpr double kMoves = 1.25;
   return column.quantity != Quantity::kMuscle && is.good_rows >= kFewestRows && is_white &&
-         RangeOverNoise(is) < kLeastRangeOverNoise;
+         RangeOverNoise(is) < kLeastRangeOverNoise && is.slow < kMoves * is.noise;
 }
 
 bool NeedsTwoPoints(RawUnit unit) {

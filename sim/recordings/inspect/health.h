@@ -24,7 +24,8 @@ std::vector<HealthFinding> HealthOf(const Inspection& inspection);
 double RangeOverNoise(const ColumnStatistics& statistics);
 
 /// True if a column, of no muscle, only has noise: it changes from row to row as white noise does,
-/// and its range is below ten times its noise. White noise alone has a range of about six.
+/// its range is below ten times its noise, and the means of four rows stand still as well. White
+/// noise alone has a range of about six, and means with half of its deviation.
 bool IsOnlyNoise(const InspectedColumn& column);
 
 /// True for counts, volts and unknown units. The lowest and highest values of the recording then

@@ -175,8 +175,11 @@ void SetRate(const TimeStatistics& time, bool is_coarse, double given_rate_hz,
   inspection.rate_is_known = given_rate_hz > 0.0;
   inspection.rate_is_assumed = !inspection.rate_is_known;
   const auto rows = static_cast<double>(inspection.rows);
+  // A clock of whole seconds begins and ends within one: only between its steps rows are counted.
+  const double mean_rate_hz =
+      time.mean_rate_hz > 0.0 ? time.mean_rate_hz : (rows - 1.0) / time.duration_s;
   inspection.time.rate_hz = inspection.rate_is_known ? given_rate_hz
-                            : is_coarse              ? (rows - 1.0) / time.duration_s
+                            : is_coarse              ? mean_rate_hz
                                                      : kAssumedRateHz;
   inspection.time.duration_s = rows / inspection.time.rate_hz;
 }
@@ -267,7 +270,7 @@ int BitsFor(double high) {
 std::vector<ColumnEvidence> EvidenceOf(const Inspection& inspection,
                                        const std::vector<std::size_t>& clocks) {
   std::vector<ColumnEvidence> evidence;
-  const std::vector<std::string> own = WithDigits(WithFingers(inspection.layout.names));
+  const std::vector<std::string> own = WithJoints(WithDigits(WithFingers(inspection.layout.names)));
   const std::vector<std::string> english = InEnglish(own);
   const std::vector<std::string>& names = english.empty() ? own : english;
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {
