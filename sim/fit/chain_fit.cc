@@ -403,7 +403,8 @@ double CorrelationAt(const std::vector<double>& command, const std::vector<doubl
 }
 
 /// The delay of the angle [samples]. A long one must fit better than a short one of the opposite
-/// motion: half a period later, any motion that repeats is its opposite.
+/// motion, one of the first search no worse: half a period later, any motion that repeats is its
+/// opposite.
 std::optional<double> DelayOf(const std::vector<double>& command, std::vector<double> angle,
                               double rate_hz) {
   constexpr double kBetter = 0.05;
@@ -414,12 +415,12 @@ std::optional<double> DelayOf(const std::vector<double>& command, std::vector<do
   for (; !found && earliest_s < kLongestSearch_s; earliest_s += kOneSearch_s) {
     found = DelaySamples(command, angle, rate_hz, earliest_s, all, fourier);
   }
-  if (!found || earliest_s < kOneSearch_s) return found;  // in the first search
+  if (!found) return found;
   const double correlation = CorrelationAt(command, angle, *found);
   for (double& value : angle) value = -value;
   const auto opposite = DelaySamples(command, angle, rate_hz, -kLead_s, all, fourier);
-  const bool is_better =
-      !opposite || correlation > CorrelationAt(command, angle, *opposite) + kBetter;
+  const double lead = earliest_s < kOneSearch_s ? -kBetter : kBetter;
+  const bool is_better = !opposite || correlation > CorrelationAt(command, angle, *opposite) + lead;
   return is_better ? found : std::nullopt;
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "controller/prediction/horizon.h"
 #include "sim/base/json.h"
 #include "sim/fit/audit.h"
 #include "sim/fit/chain_episodes.h"
@@ -230,8 +231,11 @@ Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain,
     verdict.recommended = "horizon_ms: " + horizon;
     verdict.AddHeadline(
         "horizon", fmt::format("Set prediction.horizon_ms to {}", horizon),
-        fmt::format(" ({:g} of the delay{}, {} ms): written to {}, for a controller's key chain.",
+        fmt::format(" ({:g} of the delay{}, {} ms{}): written to {}, for a controller's key chain.",
                     kHorizonShare, fits.size() == 1 ? "" : " of each part", RangeText(delays_ms, 1),
+                    std::ranges::max(chain.horizon_ms) < controller::kMostHorizon_ms
+                        ? ""
+                        : fmt::format("; {:g} ms is the longest", controller::kMostHorizon_ms),
                     file));
   }
   verdict.AddReason("withheld", WithheldText(fits));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "controller/prediction/horizon.h"
 #include "sim/fit/answering_servo.h"
 #include "sim/fit/chain_log.h"
 #include "sim/settings/yaml_writer.h"
@@ -98,7 +99,8 @@ IdentifiedChain MakeIdentifiedChain(const ChainLog& log, const std::vector<Chain
   chain.expected_delay_ms = MeanOf(chain.parts, &IdentifiedPart::delay_ms);
   chain.horizon_ms = ValuesOf(chain.parts, &IdentifiedPart::delay_ms);
   for (double& value : chain.horizon_ms) {
-    value = std::round(std::clamp(kHorizonShare * value, 0.0, 1000.0) * 10.0) / 10.0;
+    value = std::round(std::clamp(kHorizonShare * value, 0.0, controller::kMostHorizon_ms) * 10.0) /
+            10.0;
   }
   chain.friction_deg = ValuesOf(chain.parts, &IdentifiedPart::hysteresis_deg);
   for (double& value : chain.friction_deg) value = std::round(value * 500.0) / 1e3;
