@@ -142,9 +142,11 @@ std::string KindsText(const Library& library, const PlainFilter& filter) {
   if (std::ranges::find(library.kinds, kind) == library.kinds.end()) {
     return fmt::format("has no {} (it has {})", kind, fmt::join(library.kinds, ", "));
   }
-  return fmt::format(
-      "has no {} with this {}", kind,
-      kind == controller::OneEuroConfig::kKind ? "speed_from" : "start or acceleration_window");
+  if (const auto* euro = std::get_if<controller::OneEuroConfig>(&filter.settings)) {
+    const bool is_raw = euro->speed_from == controller::OneEuroConfig::SpeedFrom::kRaw;
+    return fmt::format("has one_euro with speed_from: {} alone", is_raw ? "filtered" : "raw");
+  }
+  return fmt::format("has no {} with this start or acceleration_window", kind);
 }
 
 /// "exponential is in dex-retargeting, scipy"; empty if it is in none.
@@ -231,16 +233,22 @@ Substitute SubstituteOf(const Library& library, const PlainFilter& filter,
       request.exact ? std::vector<FilterForm>() : FormsOf(library, plan, request);
   if (forms.empty()) throw Mistake(request, without + WhereItIs(filter));
   Progress progress("filters");
-  const NearestFilter nearest = TuneNearest(
-      plan, forms, JobsOrCores(0),
-      [&](double seconds) {
-        if (seconds <= kNoWait_s) return;
-        Say("gauntlet: tuning {} of {} takes about {:.0f} s\n",
-            forms.size() == 1 ? std::string(forms.front().kind)
-                              : fmt::format("{} kinds of filters", forms.size()),
-            library.name, seconds);
-      },
-      [&](double done, double all) { return progress.Update(done, all); });
+  const auto say_wait = [&](double seconds) {
+    if (seconds <= kNoWait_s) return;
+    Say("gauntlet: tuning {} of {} takes about {:.0f} s\n",
+        forms.size() == 1 ? std::string(forms.front().kind)
+                          : fmt::format("{} kinds of filters", forms.size()),
+        library.name, seconds);
+  };
+  const NearestFilter nearest = [&] {
+    try {
+      return TuneNearest(plan, forms, JobsOrCores(0), say_wait,
+                         [&](double done, double all) { return progress.Update(done, all); });
+    } catch (const RunError& error) {  // a short recording
+      throw RunError(fmt::format("--for {}: {}{}; the closest is not tuned: {}", library.name,
+                                 without, WhereItIs(filter), error.what()));
+    }
+  }();
   const TunedKind& best = nearest.forms.front();
   if (!best.has_answer()) {
     throw RunError(fmt::format("--for {}: {}, and {}", library.name, without,
