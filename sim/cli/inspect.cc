@@ -127,6 +127,10 @@ void PrintTopics(const Inspection& inspection) {
   PrintTopicsTable(inspection.topics);
 }
 
+std::string Times(std::size_t count) {
+  return count == 1 ? "once" : fmt::format("{} times", count);
+}
+
 /// Missing values of the joints; gaps, restarts and repeats of the time.
 void PrintDefects(const Inspection& inspection) {
   const std::vector<std::size_t> joints = inspection.MappedColumns();
@@ -146,8 +150,8 @@ void PrintDefects(const Inspection& inspection) {
     Print("time    missing in {} rows, which do not count\n", time.missing);
   }
   if (time.gaps > 0) Print("gaps    {}, the longest {:.4g} s\n", time.gaps, time.longest_gap_s);
-  if (time.restarts > 0) Print("time    goes back {} times\n", time.restarts);
-  if (time.repeats > 0) Print("time    repeats {} times\n", time.repeats);
+  if (time.restarts > 0) Print("time    goes back {}\n", Times(time.restarts));
+  if (time.repeats > 0) Print("time    repeats {}\n", Times(time.repeats));
 }
 
 void PrintTime(const Inspection& inspection) {

@@ -25,9 +25,8 @@ using Words = std::vector<std::string>;
 
 /// Words that a sensor of a finger may have besides the finger and its joint.
 constexpr std::string_view kBendWords =
-    "flex flexion extension stretch bend bending finger joint angle ang sensor hand deviation dev "
-    "ulnar "
-    "radial supination";
+    "flex flexion extension stretch bend bending curl closure finger joint angle ang sensor hand "
+    "deviation dev ulnar radial supination";
 
 /// A name taken apart.
 struct NameParts {

@@ -31,6 +31,7 @@ enum class Quantity {
   kForce,
   kCurrent,
   kTemperature,
+  kBattery,
   kMuscle,
   kQuality,  // confidence, validity, errors
   kCommand,

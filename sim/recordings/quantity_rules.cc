@@ -117,8 +117,10 @@ constexpr QuantityRule kRules[] = {
     {"current", kCurrent, Unit::kUnknown, false, "current currents ma amps ampere amperes", Any,
      "a current, by its name", "current_mA of servo logs"},
     {"temperature", kTemperature, Unit::kUnknown, false,
-     "temp temperature celsius degc degf kelvin battery bat vbat", Any,
-     "a temperature or the battery, by its name", "logs of microcontrollers"},
+     "temp temperature celsius degc degf kelvin", Any, "a temperature, by its name",
+     "logs of microcontrollers"},
+    {"battery", kBattery, Unit::kUnknown, false, "battery bat vbat batt", Any,
+     "the battery, by its name", "logs of microcontrollers"},
     {"muscle", kMuscle, Unit::kUnknown, false, "emg semg exg muscle myo uv", Any,
      "a muscle's signal, by its name", "emg of Ninapro; EXG channels of OpenBCI"},
     {"quality", kQuality, Unit::kUnknown, false,
@@ -187,11 +189,11 @@ std::string_view NameOf(RawUnit unit) {
 }
 
 std::string_view NameOf(Quantity quantity) {
-  constexpr std::array<std::string_view, 20> kNames = {
-      "text",     "nothing",     "time",         "rate",         "number",
-      "label",    "orientation", "acceleration", "angular rate", "magnetic field",
-      "position", "velocity",    "force",        "current",      "temperature",
-      "muscle",   "quality",     "command",      "unknown",      "sensor"};
+  constexpr std::array<std::string_view, 21> kNames = {
+      "text",        "nothing",      "time",         "rate",           "number",   "label",
+      "orientation", "acceleration", "angular rate", "magnetic field", "position", "velocity",
+      "force",       "current",      "temperature",  "battery",        "muscle",   "quality",
+      "command",     "unknown",      "sensor"};
   return kNames[static_cast<std::size_t>(quantity)];
 }
 

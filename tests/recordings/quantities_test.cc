@@ -97,6 +97,7 @@ std::vector<RuleRow> RulesOfRows() {
       {"force", Fingers("_force", Between(0, 9)), Fingers("", Between(0, 90))},
       {"current", {{"current_mA", Between(0, 90)}}, {{"angle", Between(0, 90)}}},
       {"temperature", {{"temperature", Between(20, 30)}}, {{"sensor", Between(20, 30)}}},
+      {"battery", {{"Vbat", Between(3, 4)}}, {{"sensor", Between(3, 4)}}},
       {"temperature", Fingers("_degC", Between(20, 30)), Fingers("_deg", Between(20, 30))},
       {"force", Fingers("_N", Between(0, 9)), {{"a", Between(0, 9)}, {"n", Between(0, 9)}}},
       {"muscle", {{"emg_1", Noise}, {"emg_2", Noise}}, {{"flex_1", Noise}, {"flex_2", Noise}}},

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
+#include <set>
 
 #include "sim/base/channels.h"
 #include "sim/base/csv_line.h"
@@ -398,6 +399,27 @@ NamedColumns ColumnsWithJoints(const JointEvidence& evidence, const std::string&
   return named;
 }
 
+/// Columns that name fingers of which no exact name has a joint. `named` begins with the exact ones.
+std::vector<std::size_t> FingersBeside(const JointEvidence& evidence, const NamedColumns& named) {
+  const auto finger_of = [&](std::size_t c) {
+    return ReadSensorName(evidence.columns[c].name).finger;
+  };
+  std::set<std::string> exact, others;
+  for (const std::size_t c : named.begin()->second) exact.insert(finger_of(c));
+  std::vector<std::size_t> beside;
+  for (const auto& [other, columns] : named) {
+    for (const std::size_t c : columns) {
+      const ColumnStatistics& is = evidence.columns[c].statistics;
+      const std::string finger = finger_of(c);
+      if (finger.empty() || exact.contains(finger) || is.low == is.high) continue;
+      others.insert(finger);
+      beside.push_back(c);
+    }
+  }
+  constexpr std::size_t kFewest = 2;  // one may be of another device
+  return others.size() < kFewest ? std::vector<std::size_t>() : beside;
+}
+
 /// A sentence if the unit is in no name and no profile, and the values may be of several.
 std::string UnitQuestion(const JointChoice& choice) {
   if (choice.unit != RawUnit::kUnknown) return "";
@@ -442,7 +464,8 @@ void CheckUnitsOfNames(const JointEvidence& evidence, JointChoice& choice) {
 /// Joints whose names say that the values rise as the finger opens.
 std::vector<std::size_t> OpeningJoints(const JointEvidence& evidence, const JointChoice& choice) {
   constexpr std::string_view kOpening = "open opening openness extension extended straightness";
-  constexpr std::string_view kBending = "flex flexion bend bending close closing closed curl";
+  constexpr std::string_view kBending =
+      "flex flexion bend bending close closing closed closure curl";
   std::vector<std::size_t> opening;
   for (std::size_t i = 0; i < choice.columns.size(); ++i) {
     const std::vector<std::string> words = WordsOf(evidence.columns[choice.columns[i]].name);
@@ -463,6 +486,12 @@ bool ChooseByNames(const JointEvidence& evidence, const JointOptions& options,
   if (!other.empty() && named.size() > 1) {
     choice.question = fmt::format("both {} and {} may be the joints", ColumnsText(columns),
                                   ColumnsText(std::next(named.begin())->second));
+    return true;
+  }
+  if (const auto beside = FingersBeside(evidence, named); other.empty() && !beside.empty()) {
+    choice.question =
+        fmt::format("{} {} by name, and {} name other fingers", ColumnsText(columns),
+                    columns.size() == 1 ? "is a joint" : "are joints", ColumnsText(beside));
     return true;
   }
   if (const auto beside = InOtherUnit(evidence, choice); !beside.empty()) {
@@ -528,7 +557,7 @@ bool AreRough(const JointEvidence& evidence, const std::vector<std::size_t>& col
     const ColumnStatistics& is = evidence.columns[c].statistics;
     const double range = is.usual_high - is.usual_low;
     moving += range > 0.0 ? 1 : 0;
-    rough += range > 0.0 && is.noise > kRough * range ? 1 : 0;
+    rough += range > 0.0 && (is.noise > kRough * range || is.slow < is.noise) ? 1 : 0;
   }
   return moving > 0 && rough == moving;
 }

@@ -40,8 +40,8 @@ bool IsWordOfJoint(const std::string& word) {
   const bool is_number = std::isdigit(static_cast<unsigned char>(word.front())) != 0;
   return is_number || !JointOf(word).empty() || IsSensorWord(word) || IsJointWord(word) ||
          IsWordOf(
-             "flexion flexed extension stretch curl bends angular spreads deviation dev ulnar "
-             "radial supination pitch yaw percent pct mv ratio mrad milliradian milliradians",
+             "flexion flexed extension stretch curl closure bends angular spreads deviation dev "
+             "ulnar radial supination pitch yaw percent pct mv ratio mrad milliradian milliradians",
              word);
 }
 

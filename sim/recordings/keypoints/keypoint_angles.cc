@@ -334,7 +334,7 @@ PlacedHand PlaceHand(std::vector<HandPoints> points, double unit_m) {
   if (IsOfImage(points, hand.is_lost, length)) {
     throw UserError(
         "the wrist has no depth: these are landmarks in an image, which have no angles; record "
-        "world landmarks [m]");
+        "world landmarks [m] (of MediaPipe: hand_world_landmarks in place of hand_landmarks)");
   }
   const std::optional<Unit> unit = UnitOf(length, unit_m);
   if (!unit) {
