@@ -4,8 +4,8 @@
 
 namespace gauntlet::sim {
 
-/// Values at start_s + i / rate_hz of the shape-preserving cubic through (time, value): no overshoot
-/// between the points, constant beyond the first and last point.
+/// Values at start_s + i / rate_hz of the shape-preserving cubic through (time, value): no
+/// overshoot between the points, constant beyond the first and last point.
 ///
 ///     slope_k = 0                                     where the data turns
 ///     slope_k = 3 (h0 + h1) / ((2 h1 + h0) / d0 + (h1 + 2 h0) / d1)   elsewhere

@@ -278,7 +278,7 @@ std::string ResolvedScenario(const FinishedStudy& finished) {
 
 namespace {
 
-/// What needs the signals of all controllers together comes before WriteTraces().
+/// Files that need the signals of all controllers together: before WriteTraces().
 void WriteScores(const std::filesystem::path& folder, const FinishedStudy& finished) {
   WriteOutputFile(folder / "scenario.resolved.yaml", ResolvedScenario(finished));
   WriteOutputFile(folder / "scores.csv", ScoresCsv(finished.result));

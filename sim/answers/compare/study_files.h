@@ -37,7 +37,7 @@ struct TraceFormats {
 void WriteStudyFiles(const std::filesystem::path& folder, const FinishedStudy& finished,
                      const TraceFormats& formats = {});
 
-/// The same, as the last use of the traces: the signals of a controller go as soon as they are
+/// Writes them as the last use of the traces: the signals of a controller go as soon as they are
 /// written, so that the disk need not hold all of them twice.
 void WriteLastStudyFiles(const std::filesystem::path& folder, FinishedStudy& finished,
                          const TraceFormats& formats = {});

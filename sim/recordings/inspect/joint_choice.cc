@@ -399,7 +399,7 @@ NamedColumns ColumnsWithJoints(const JointEvidence& evidence, const std::string&
   return named;
 }
 
-/// Columns that name fingers of which no exact name has a joint. `named` begins with the exact ones.
+/// Columns that name fingers of which no exact name has a joint. `named` begins with the exact.
 std::vector<std::size_t> FingersBeside(const JointEvidence& evidence, const NamedColumns& named) {
   const auto finger_of = [&](std::size_t c) {
     return ReadSensorName(evidence.columns[c].name).finger;

@@ -54,8 +54,8 @@ HeadNumber NumberOf(std::size_t metric, const Comparison& comparison, double val
 /// "Use prediction in place of raw.": the answer of a comparison in at most eight words.
 std::string Headline(const Summary& summary);
 
-/// The primary scores of the recommended controller against the baseline, and the first of the other
-/// main scores that is worse. Empty where there is nothing recommended to compare.
+/// The primary scores of the recommended controller against the baseline, and the first of the
+/// other main scores that is worse. Empty where there is nothing recommended to compare.
 std::vector<HeadNumber> HeadlineDifferences(const Summary& summary);
 
 }  // namespace gauntlet::sim

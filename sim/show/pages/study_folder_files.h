@@ -19,7 +19,7 @@ std::string StudyPage(const FinishedStudy& finished, bool has_video);
 /// Writes all of them with the page, and commits them. Errors: RunError.
 void WriteStudyFolder(const FinishedStudy& finished, const TraceFormats& formats, bool has_video,
                       OutputFiles& files);
-/// The same, as the last use of the traces: see WriteLastStudyFiles().
+/// Writes them as the last use of the traces: see WriteLastStudyFiles().
 void WriteLastStudyFolder(FinishedStudy& finished, const TraceFormats& formats, bool has_video,
                           OutputFiles& files);
 

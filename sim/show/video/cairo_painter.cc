@@ -17,7 +17,7 @@ void SetColor(cairo_t* cairo, const Color& color) {
   cairo_set_source_rgba(cairo, color.red, color.green, color.blue, color.alpha);
 }
 
-/// Removes the first letter of UTF-8 text and returns it: everything up to the next byte that starts one.
+/// Removes the first letter of UTF-8 text and returns it: all up to the next byte that starts one.
 std::string_view RemoveLetter(std::string_view& text) {
   std::size_t size = 1;
   while (size < text.size() && (static_cast<unsigned char>(text[size]) & 0xc0) == 0x80) ++size;
