@@ -10,7 +10,7 @@
 namespace gauntlet::sim {
 
 /// The colours of a GIF, chosen from pictures by median cut. Pixels get the nearest of them,
-/// without dithering: even areas stay even, and neighbouring frames differ only where something moves.
+/// without dithering: even areas stay even, and frames differ only where something moves.
 class GifPalette {
  public:
   /// 256 entries of a GIF, less the one that says "as in the frame before".
