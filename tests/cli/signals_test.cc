@@ -168,9 +168,10 @@ TEST_F(SignalsTest, WhatWasToBeIgnoredStaysSo) {
 }
 
 TEST_F(SignalsTest, AQuotaOfFilesIsAnErrorOfWriting) {
+  // Of 512 bytes: the page, of 1.6 MB, fits, and the trace, of 2.1 MB, does not.
   const ProgramResult result =
       RunProgram({"/bin/sh", "-c",
-                  "ulimit -f 300; exec " + kProgram + " run " + kHoldStill +
+                  "ulimit -f 3500; exec " + kProgram + " run " + kHoldStill +
                       " --controllers raw --set glove.motion.duration_s=2 --out out"},
                  {.working_directory = folder_.path()});
   EXPECT_EQ(result.exit_code, 1) << result.signal;

@@ -2,12 +2,16 @@
 
 #include <cmath>
 #include <string>
+#include <vector>
 
+#include "sim/tables/name_words.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
 
 bool SenderClock::NeedsUnit(std::string_view name) {
+  const std::vector<std::string> words = WordsOf(name);
+  if (!words.empty() && words.back() == "s") return false;  // t_s, which is no ts
   // With a unit behind it a name is a time in another scale, or still one of seconds.
   const auto in_ms = TimeScaleS(std::string(name) + "_ms");
   return TimeScaleS(name) == 1.0 && in_ms.has_value();
