@@ -66,7 +66,7 @@ constexpr double kAnyRateHz = 1000.0;
 controller::FilterConfig ReadFilter(const std::string& text, const std::optional<double>& rate_hz) {
   const sim::YamlSource source{.file = kFilterPlace};
   sim::YamlNode root = sim::ParseYaml(kFilterPlace, text);
-  const auto like = sim::TakeLikeFilter(root, "", source);
+  const auto like = sim::ExtractLikeFilter(root, "", source);
   controller::FilterConfig config;
   sim::ReadAll(root, source, config);
   if (!like) return config;

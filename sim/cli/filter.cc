@@ -153,7 +153,7 @@ StreamFilter ReadFilter(const FilterOptions& options) {
   }
   const YamlNode rate_hz = ChildOf(root, "rate_hz");
   YamlNode of_library = WithoutChild(root, "rate_hz");
-  if ((filter.like = TakeLikeFilter(of_library, "", filter.source))) {
+  if ((filter.like = ExtractLikeFilter(of_library, "", filter.source))) {
     std::vector<YamlNode::Entry> entries = of_library.entries();
     if (rate_hz.IsDefined()) entries.emplace_back(YamlNode::Scalar("rate_hz"), rate_hz);
     root = YamlNode::Map(std::move(entries));

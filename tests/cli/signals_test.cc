@@ -168,7 +168,7 @@ TEST_F(SignalsTest, WhatWasToBeIgnoredStaysSo) {
 }
 
 TEST_F(SignalsTest, AQuotaOfFilesIsAnErrorOfWriting) {
-  // Of 512 bytes: the page, of 1.6 MB, fits, and the trace, of 2.1 MB, does not.
+  // In blocks of 512 bytes: the page, of 1.6 MB, fits, and the trace, of 2.1 MB, does not.
   const ProgramResult result =
       RunProgram({"/bin/sh", "-c",
                   "ulimit -f 3500; exec " + kProgram + " run " + kHoldStill +

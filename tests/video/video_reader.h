@@ -25,7 +25,7 @@ struct VideoContent {
   bool times_are_even = true;  // frame k is shown at exactly k / frames_per_s
   /// Of each frame, the mean brightness in 0 .. 255 of its left and right half.
   std::vector<std::array<double, 2>> brightness{};
-  /// Of each frame of a GIF, how many colours it has.
+  /// Number of colours of each frame of a GIF.
   std::vector<std::size_t> colours{};
 };
 

@@ -73,8 +73,8 @@ controller::FilterSettings LikeFilter::At(double rate_hz, std::string_view unit,
   }
 }
 
-std::optional<LikeFilter> TakeLikeFilter(YamlNode& filter, std::string path,
-                                         const YamlSource& source) {
+std::optional<LikeFilter> ExtractLikeFilter(YamlNode& filter, std::string path,
+                                            const YamlSource& source) {
   if (!ChildOf(filter, "like").IsDefined()) return {};
   LikeFilter like{.path = std::move(path), .node = filter, .settings = {}};
   try {

@@ -27,7 +27,7 @@ struct LikeFilter {
 
 /// Takes what such a filter has beyond kind and channels out of its node; nothing for a filter of
 /// Gauntlet. Errors: UserError with the place, as a reader of settings.
-std::optional<LikeFilter> TakeLikeFilter(YamlNode& filter, std::string path,
-                                         const YamlSource& source);
+std::optional<LikeFilter> ExtractLikeFilter(YamlNode& filter, std::string path,
+                                            const YamlSource& source);
 
 }  // namespace gauntlet::sim

@@ -40,7 +40,7 @@ extern "C" const gauntlet::sim::DrawingLibrary* GauntletDrawingLibrary();
 
 namespace gauntlet::sim {
 
-// What it is made of: its own names.
+// Its own names are what it is made of.
 std::unique_ptr<OffScreenContext> OpenOsmesaContext();
 std::unique_ptr<VideoEncoder> OpenLibavEncoder(const OutputFile& file, const VideoFormat& format);
 std::unique_ptr<Painter> OpenCairoPainter(ImageView image);

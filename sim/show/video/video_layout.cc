@@ -23,7 +23,7 @@ constexpr double kAngleLabelWidth = 40.0;
 constexpr double kTimeLabelHeight = 20.0;
 constexpr double kPlotShare = 0.29;  // of a card: numbers and curves below a hand
 constexpr double kViewShare = 0.45;  // of a pane's width, where the hand stands beside
-// Of smaller frames letters could not be read: curves make room for larger ones.
+// Letters of smaller frames could not be read: curves make room for larger ones.
 constexpr double kSmallUnit = 0.6;
 constexpr double kSmallFactor = 2.0;
 

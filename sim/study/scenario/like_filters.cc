@@ -36,14 +36,14 @@ void UseScales(const Scenario& scenario, const controller::ControllerConfig& con
 
 }  // namespace
 
-std::vector<LikeFilterOf> TakeLikeFilters(YamlNode& root, const YamlSource& source) {
+std::vector<LikeFilterOf> ExtractLikeFilters(YamlNode& root, const YamlSource& source) {
   std::vector<LikeFilterOf> taken;
   const YamlNode controllers = ChildOf(root, "controllers");
   std::vector<YamlNode::Entry> entries = controllers.entries();
   for (auto& [name, controller] : entries) {
     const std::string& of = name.text();
     const auto take = [&](YamlNode& filter, std::size_t index, std::string path) {
-      auto like = TakeLikeFilter(filter, std::move(path), source);
+      auto like = ExtractLikeFilter(filter, std::move(path), source);
       if (!like) return false;
       taken.push_back({.controller = of, .index = index, .filter = *std::move(like)});
       return true;

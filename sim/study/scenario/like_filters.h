@@ -16,8 +16,8 @@ struct LikeFilterOf {
   LikeFilter filter;
 };
 
-/// Those of all controllers, taken out of the tree. Errors: as TakeLikeFilter().
-std::vector<LikeFilterOf> TakeLikeFilters(YamlNode& root, const YamlSource& source);
+/// Those of all controllers, taken out of the tree. Errors: as ExtractLikeFilter().
+std::vector<LikeFilterOf> ExtractLikeFilters(YamlNode& root, const YamlSource& source);
 
 /// Gives them the settings of Gauntlet's filter, at the rate and in the unit of their input.
 /// Errors: UserError with the place.

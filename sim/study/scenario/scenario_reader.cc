@@ -335,7 +335,7 @@ Repetitions AllRepetitions(const ScenarioText& text, const Overrides& overrides,
     YamlNode root;
     const YamlSource of_this = TreeOf(text, overrides, lists, i, root);
     TakeAutoHorizons(root);
-    TakeLikeFilters(root, of_this);
+    ExtractLikeFilters(root, of_this);
     repetitions.gloves.push_back(ReadScenario(lists, i, root, of_this).glove);
   }
   CheckRepetitions(lists, repetitions, source);
@@ -358,7 +358,7 @@ Scenario ParseScenario(const ScenarioText& text, const std::vector<std::string>&
   YamlSource source;
   const RepeatedSettings lists = FirstTreeOf(text, overrides, root, source);
   const std::vector<AutoHorizon> auto_horizons = TakeAutoHorizons(root);
-  const std::vector<LikeFilterOf> like_filters = TakeLikeFilters(root, source);
+  const std::vector<LikeFilterOf> like_filters = ExtractLikeFilters(root, source);
   Scenario scenario = ReadScenario(lists, 0, root, source);
   CheckNames(root, source, scenario);
   FillControllers(root, source, auto_horizons, scenario);
