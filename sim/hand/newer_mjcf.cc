@@ -212,8 +212,8 @@ void WriteOutAssetFolder(MjcfElement& compiler) {
 }  // namespace
 
 std::span<const NewerMjcfRow> NewerMjcfRows() {
-  static const std::vector<NewerMjcfRow> rows = EachRow();
-  return rows;
+  static const std::vector<NewerMjcfRow> kRows = EachRow();
+  return kRows;
 }
 
 void DropNewerMjcf(MjcfElement& root, std::vector<std::string>& notes) {
