@@ -1,6 +1,10 @@
+#include <cstddef>
 #include <filesystem>
+#include <fstream>
+#include <string>
 #include <vector>
 
+#include "sim/base/error.h"
 #include "sim/cli/commands.h"
 #include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
@@ -36,8 +40,22 @@ Examples:
 )";
 };
 
+/// Errors: UserError for a page that no command wrote: a person's own of this name.
+void RefuseForeignPage(const std::filesystem::path& page) {
+  constexpr std::size_t kHead = 1024;
+  std::string head(kHead, '\0');
+  std::ifstream file(page, std::ios::binary);
+  if (!file) return;
+  file.read(head.data(), kHead);
+  if (head.find("Gauntlet list runs") != head.npos) return;
+  throw UserError({.place = page.string(),
+                   .problem = "is a file that Gauntlet did not write, and stays; gauntlet list "
+                              "runs --out PAGE.html names another"});
+}
+
 void ShowRuns(const std::vector<Run>& runs, const std::filesystem::path& folder) {
   const std::filesystem::path page = folder / "runs.html";
+  RefuseForeignPage(page);
   WriteRunsPage(runs, page);
   for (const Run& run : runs) {
     Print("{}\n", run.folder.string());
