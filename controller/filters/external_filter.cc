@@ -10,6 +10,12 @@ void ExternalConfig::Visit(SettingsVisitor& visitor) {
                 .help = "in place of a program, a shared library with gauntlet_filter_1() of "
                         "gauntlet_filter.h"},
                library);
+  visitor.Path({"answers",
+                "in place of both, what another program made of the recording that is played: a "
+                "file with the same rows"},
+               answers);
+  visitor.Path({"answers_map", "column map of that file; by default as that of the recording"},
+               answers_map);
   visitor.Path({"folder", "where it runs or is [the folder of the file that names it]"}, folder);
   visitor.Number(
       {"timeout_ms", "longest wait for an answer of a program; for the first, ten times as long", 1,

@@ -68,8 +68,9 @@ struct StudyCommand {
             overrides,
             "change a value, as in --set controllers.tuned.filter.q=0.001; += adds to it; may "
             "be repeated"),
-        Option("--add", &added, {.value = "KIND:key=value"},
-               "another controller with this filter, as one_euro:beta=0.1; may be repeated"),
+        Option("--add", &added, {.value = "KIND:key=value", .offer = Offer::kFiles},
+               "another controller with this filter, as one_euro:beta=0.1; or FILE.csv, what your "
+               "own program made of the recording; may be repeated"),
         ControllersOption(controllers),
         JobsOption(jobs),
         AllowProgramsOption(allow_programs),

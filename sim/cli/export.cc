@@ -302,8 +302,8 @@ void RunExport(const ExportOptions& options) {
   if (named != nullptr && HasPrograms(named->config)) {
     throw UserError({.place = "--controller " + options.controller,
                      .key = "filter",
-                     .problem = "is a program (kind external), which a robot's file cannot "
-                                "contain; must be a filter of Gauntlet"});
+                     .problem = "is a program or its answers (kind external), which a robot's "
+                                "file cannot contain; must be a filter of Gauntlet"});
   }
   if (!options.lines.library.empty()) {
     WarnIfUnchecked(options.folder, manifest.exists());

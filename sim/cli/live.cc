@@ -267,10 +267,11 @@ void RunLiveCommand(const LiveCommand& command) {
   KeepControllers(ControllersOf(command, scenario), scenario);
   for (const NamedController& named : scenario.controllers) {
     if (!HasSlowPrograms(named.config)) continue;
-    throw UserError({.place = "--controller " + named.name,
-                     .key = "filter",
-                     .problem = "is a program (kind external), which has no place in real time; "
-                                "must be a filter of Gauntlet or a library"});
+    throw UserError(
+        {.place = "--controller " + named.name,
+         .key = "filter",
+         .problem = "is a program or its answers (kind external), which has no place in real time; "
+                    "must be a filter of Gauntlet or a library"});
   }
   const auto glove_address = AddressOf("--glove", command.glove, DeviceRole::kSource);
   const auto motors_address = AddressOf("--motors", command.motors, DeviceRole::kSink);

@@ -273,6 +273,34 @@ GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed) {
   return glove;
 }
 
+Signal AnswersInCounts(const GloveConfig& config, const GloveSignal& glove, const std::string& file,
+                       const std::string& map) {
+  const auto* motion = std::get_if<RecordedMotionConfig>(&config.motion.settings);
+  if (motion == nullptr || !glove.is_recorded || !glove.recording) {
+    throw controller::SettingError(
+        "answers",
+        "are of a recording, which must be played: glove.motion of kind recording, use: measured");
+  }
+  if (!IsWithoutNoise(config)) {
+    throw controller::SettingError(
+        "answers", "are of the recording as it is: glove.noise must be none, without glove.faults");
+  }
+  const MotionContext context{
+      .rate_hz = glove.tick_rate_hz, .seed = 0, .start_rad = {}, .converter = config.converter};
+  const Motion answers = MeasuredAgain(*motion, file, map, *glove.recording, context);
+  const std::vector<int> indices = ChannelsOf(config);
+  for (const int c : indices) {
+    if (answers.recording->has_channel[c] || !glove.recording->has_channel[c]) continue;
+    throw controller::SettingError(
+        "answers",
+        fmt::format("{} has no {}, which {} has", file,
+                    KnownChannels()[static_cast<std::size_t>(c)].name, glove.recording->name));
+  }
+  const Signal counts =
+      Sampled(Sense(config, answers, {}, glove.tick_rate_hz, 0), glove.ticks_per_sample);
+  return counts(Eigen::all, indices);
+}
+
 void CutGlove(Eigen::Index ticks, GloveSignal& glove) {
   glove.true_angle_rad.KeepRows(ticks);
   glove.counts.KeepRows((ticks + glove.ticks_per_sample - 1) / glove.ticks_per_sample);

@@ -41,6 +41,14 @@ std::vector<int> ChannelsOf(const GloveConfig& config);
 /// fit.
 GloveSignal SynthesiseGlove(const GloveConfig& config, std::uint64_t seed);
 
+/// The answers of another program to the recording that `glove` plays, from a file of its rows:
+/// samples x channels of the glove [counts, before the converter]; NaN in gaps. `map`: of that
+/// file, empty: that of the recording. Errors: SettingError `answers` for a glove that plays no
+/// recording as measured, or has noise or faults of its own, and for a file without one of its
+/// channels; UserError for one that cannot be read or has other rows.
+Signal AnswersInCounts(const GloveConfig& config, const GloveSignal& glove, const std::string& file,
+                       const std::string& map);
+
 /// Keeps the first ticks of a signal.
 void CutGlove(Eigen::Index ticks, GloveSignal& glove);
 

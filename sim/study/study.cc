@@ -22,6 +22,7 @@
 #include "sim/study/prediction_fit.h"
 #include "sim/study/scenario/scenario_reader.h"
 #include "sim/tables/name_words.h"
+#include "sim/trial/external/answer_filter.h"
 #include "sim/trial/external/external_filters.h"
 #include "sim/trial/joint_angles.h"
 
@@ -359,6 +360,31 @@ void ChooseVideoCamera(const HandModel& hand, std::string& camera) {
   camera.clear();  // the default: a model need not have it
 }
 
+/// Reads what other programs made of the recording, for the controllers that have it as filter.
+/// Errors: SettingError, UserError.
+void ReadAnswers(Study& study) {
+  for (NamedController& named : study.scenario.controllers) {
+    for (std::size_t i = 0; i < named.config.filters.size(); ++i) {
+      auto* filter = std::get_if<controller::ExternalConfig>(&named.config.filters[i].settings);
+      if (filter == nullptr || filter->answers.empty()) continue;
+      const std::string path = fmt::format("controllers.{}.filter[{}]", named.name, i);
+      controller::WithinSetting("controllers." + named.name, [&] { CheckPrograms(named.config); });
+      controller::WithinSetting(path, [&] {
+        if (study.repetitions.size() > 1) {
+          throw controller::SettingError(
+              "answers",
+              fmt::format("are of one recording, the glove plays {}", study.repetitions.size()));
+        }
+        const GloveSignal& glove = *study.gloves.front();
+        study.answers.push_back(MakerOfAnswers(
+            AnswersInCounts(study.scenario.glove, glove, filter->answers, filter->answers_map),
+            glove.channel_names));
+        filter->make = study.answers.back().get();
+      });
+    }
+  }
+}
+
 Study PrepareStudy(Scenario scenario) {
   Study study;
   // A recording that cannot be read is found here, before anything is written.
@@ -396,6 +422,7 @@ Study PrepareStudy(Scenario scenario) {
   }
   study.scenario = std::move(scenario);
   study.fits = std::make_shared<PredictionFits>();
+  ReadAnswers(study);
   for (const NamedController& named : study.scenario.controllers) CheckController(study, named);
   ChooseVideoChannel(study, study.scenario.video.channel);
   ChooseVideoCamera(*study.hand, study.scenario.video.camera);

@@ -45,6 +45,8 @@ struct Study {
       gloves;                            // signals of the first seeds, one at least
   std::vector<GloveFacts> repetitions;   // of the first seed of each; one if none differ
   std::shared_ptr<PredictionFits> fits;  // of these gloves, see ControllerOfSeed()
+  /// Make the filters of controllers with answers from a file; the controllers point to them.
+  std::vector<std::shared_ptr<const controller::FilterMaker>> answers;
 
   const std::vector<std::string>& channel_names() const { return calibration.channel_names; }
   /// From the glove's channels to the hand's joints.

@@ -153,6 +153,16 @@ void WriteSegments(H5::Group& group, const GloveSignal& glove) {
 }
 
 /// Unknown motion, in ticks.
+/// Remarks that begin with the place of a file, with its name alone: no folder of a person goes
+/// with a result.
+std::vector<std::string> WithoutFolders(std::vector<std::string> remarks) {
+  for (std::string& remark : remarks) {
+    const std::string place = remark.substr(0, remark.find(": "));
+    remark.replace(0, place.size(), std::filesystem::path(place).filename().string());
+  }
+  return remarks;
+}
+
 void WriteMasked(H5::Group& group, const GloveSignal& glove) {
   std::vector<Stretch> stretches;
   for (const MaskedStretch& masked : glove.masked) {
@@ -239,7 +249,7 @@ TraceWriter::TraceWriter(const std::filesystem::path& target, const GloveSignal&
     WriteFaults(group, glove);
     WriteSegments(group, glove);
     WriteMasked(group, glove);
-    WriteTexts(group, "remarks", glove.remarks);
+    WriteTexts(group, "remarks", WithoutFolders(glove.remarks));
     state_->file->createGroup("controllers");
   });
 }

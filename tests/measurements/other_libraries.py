@@ -359,7 +359,8 @@ controllers:
 | `wuji-retargeting` | `lp_alpha`, `loop_hz` |
 | `scipy` | `N`, `Wn`, `fs` of `butter()`: without `fs`, `Wn` is a share of half the glove's rate |
 
-- `unit` (deg, rad or counts) is that of the signal which `beta` is for. It must be given where `beta` is not 0.
+- `unit` (deg, rad or counts) is that of the signal which `beta` is for. It must be given where `beta` is not 0. A stream
+  also has `m`, for coordinates of landmarks: [compare the result](../how-to/choose-a-filter.md#in-your-program).
 - `disable_value_scaling` must be true. By default MediaPipe divides the speed by the size of the hand in the image,
   which angles do not have.
 - `low_pass_alpha` at another rate keeps its decay in time: 0.2 at 30 Hz is 0.106 at 60 Hz.

@@ -260,7 +260,7 @@ std::string ResolvedScenario(const FinishedStudy& finished) {
   for (const NamedController& named : scenario.controllers) {
     for (const controller::FilterConfig& filter : named.config.filters) {
       const auto* external = std::get_if<controller::ExternalConfig>(&filter.settings);
-      if (external == nullptr) continue;
+      if (external == nullptr || !external->answers.empty()) continue;
       (NamesObject(*external) ? has_objects : has_programs) = true;
     }
   }

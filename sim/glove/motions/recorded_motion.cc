@@ -315,7 +315,50 @@ void LoadReference(const RecordedMotionConfig& config, const RecordingFormat& re
   motion.remarks.insert(motion.remarks.end(), truth.remarks.begin(), truth.remarks.end());
 }
 
+/// Refuses rows that are not those of the recording that is played. Errors: UserError.
+void CheckHasRowsOf(const Recording& played, const Recording& recording) {
+  constexpr double kShareOfRow = 0.25;
+  const double row_s = (played.time_s.back() - played.time_s.front()) /
+                       static_cast<double>(played.time_s.size() - 1);
+  for (const double time_s : played.time_s) {
+    const auto next = std::ranges::lower_bound(recording.time_s, time_s - kShareOfRow * row_s);
+    if (next != recording.time_s.end() && *next <= time_s + kShareOfRow * row_s) continue;
+    throw UserError(
+        {.place = recording.name,
+         .problem = fmt::format("has no row at {:.3f} s, where {} has one: must have the same rows "
+                                "[{:.3f} to {:.3f} s from the first]",
+                                time_s, played.name, played.time_s.front(), played.time_s.back())});
+  }
+}
+
+/// The angles that the glove said in the stretch: glitches as they came, nothing in gaps.
+Signal MeasuredAngles(const RecordedMotionConfig& config, const PlayedStretch& stretch,
+                      Recording& recording, std::vector<MaskedStretch>& masked) {
+  const bool has_glitches = config.problems == ProblemHandling::kRepair && !recording.wild.empty();
+  if (has_glitches) SwapGlitches(recording);
+  Signal measured_rad = AtSamplingRate(config, recording, stretch, config.resampling(), masked);
+  if (has_glitches) SwapGlitches(recording);
+  LeaveOutGaps(masked, measured_rad);
+  return measured_rad;
+}
+
 }  // namespace
+
+Motion MeasuredAgain(const RecordedMotionConfig& config, const std::string& file,
+                     const std::string& map, const Recording& played,
+                     const MotionContext& context) {
+  RecordingFormat format = FormatOf(config, context);
+  if (!map.empty()) format.map = map;
+  const auto loaded = std::make_shared<Recording>(Load(config, format, file, config.start_s));
+  CheckHasRowsOf(played, *loaded);
+  const PlayedStretch stretch{.start_s = config.start_s,
+                              .rate_hz = context.rate_hz,
+                              .ticks = SampleCount(config, played, context)};
+  Motion motion;
+  motion.recording = loaded;
+  motion.measured_rad = MeasuredAngles(config, stretch, *loaded, motion.masked);
+  return motion;
+}
 
 ColumnMap ReadMapOf(const RecordedMotionConfig& config) {
   std::error_code none;
@@ -349,11 +392,7 @@ Motion MakeMotion(const RecordedMotionConfig& config, const MotionContext& conte
   }
   const bool glove_has_glitches =
       config.problems == ProblemHandling::kRepair && !recording.wild.empty();
-  if (glove_has_glitches) SwapGlitches(*loaded);
-  motion.measured_rad =
-      AtSamplingRate(config, recording, stretch, config.resampling(), motion.masked);
-  if (glove_has_glitches) SwapGlitches(*loaded);
-  LeaveOutGaps(motion.masked, motion.measured_rad);
+  motion.measured_rad = MeasuredAngles(config, stretch, *loaded, motion.masked);
   if (!config.reference.empty()) {
     LoadReference(config, format, recording, stretch, motion);
   } else {

@@ -58,6 +58,12 @@ struct RecordedMotionConfig {
 /// The column map of the recording, or the map by the names of its columns. Errors: UserError.
 ColumnMap ReadMapOf(const RecordedMotionConfig& config);
 
+/// The measured angles of another file with the rows of `played`, the recording that these settings
+/// play, as MakeMotion() would measure them; NaN in gaps. `map`: of this file, empty: that of the
+/// settings. Errors: UserError for a file that cannot be read, or that lacks a row of `played`.
+Motion MeasuredAgain(const RecordedMotionConfig& config, const std::string& file,
+                     const std::string& map, const Recording& played, const MotionContext& context);
+
 /// For `measured`, angle_rad is the reference, always by interpolation, and measured_rad what the
 /// glove measured. Unknown motion is `masked`: gaps and restarts, of a measured recording also
 /// clipped parts, and parts without a reference.

@@ -37,6 +37,15 @@ UserError AtKey(const YamlNode& node, const std::string& path, const YamlSource&
                                             error.problem()));
 }
 
+/// Errors: SettingError for a unit that no signal of a controller has.
+void RefuseCoordinates(std::string_view unit) {
+  if (unit != "m") return;
+  throw controller::SettingError(
+      "unit",
+      "is m, of coordinates: those are filtered before they are angles. Filter the file with "
+      "gauntlet filter, and compare the result with compare FILE --add RESULT");
+}
+
 const Library& LibraryOf(const std::string& name) {
   const Library& library = FindLibrary(name);
   if (library.like != nullptr) return library;
@@ -62,6 +71,7 @@ controller::FilterSettings LikeFilter::At(double rate_hz, std::string_view unit,
     controller::FilterSettings own = settings->At(rate_hz);
     const std::string given = settings->unit();
     if (settings->DependsOnUnit().empty() || unit.empty() || given == unit) return own;
+    RefuseCoordinates(given);
     if (given == "counts" || unit == "counts") {
       throw controller::SettingError("unit",
                                      fmt::format("is {}, must be {}, that of the signal", given,
@@ -90,10 +100,11 @@ std::optional<LikeFilter> ExtractLikeFilter(YamlNode& filter, std::string path,
     }
     if (!like.settings->DependsOnUnit().empty() && like.settings->unit().empty()) {
       throw controller::SettingError("unit",
-                                     fmt::format("must be given: {} of the signal (deg, rad or "
-                                                 "counts)",
+                                     fmt::format("must be given: {} of the signal (deg, rad, "
+                                                 "counts or m)",
                                                  like.settings->DependsOnUnit()));
     }
+    if (!like.path.empty()) RefuseCoordinates(like.settings->unit());  // else a stream has it
   } catch (const controller::SettingError& error) {
     throw AtKey(filter, like.path, source, error);
   }

@@ -65,7 +65,7 @@ Library MediaPipe() {
       .differences =
           {"These are options of a LandmarksSmoothingCalculator.",
            "It smooths coordinates of landmarks, in float. beta here is for the unit above: for "
-           "other coordinates it is another number.",
+           "other coordinates it is another number; gauntlet filter smooths them (unit: m).",
            "The intervals are those of the packets' timestamps in whole us."},
       .lines = MediaPipeLines,
       .like = MakeLike<MediaPipeLike>,

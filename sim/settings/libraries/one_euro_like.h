@@ -34,7 +34,8 @@ class OneEuroLike : public LikeSettings {
   }
 
  private:
-  static constexpr std::array<std::string_view, 4> kUnits = {"", "deg", "rad", "counts"};
+  // m: coordinates of keypoints, which a stream can have.
+  static constexpr std::array<std::string_view, 5> kUnits = {"", "deg", "rad", "counts", "m"};
 
   controller::OneEuroConfig config_;
   std::size_t unit_ = 0;

@@ -253,7 +253,10 @@ void PlacePrograms(const YamlSource& source, Scenario& scenario) {
   for (NamedController& named : scenario.controllers) {
     for (std::size_t i = 0; i < named.config.filters.size(); ++i) {
       auto* external = std::get_if<controller::ExternalConfig>(&named.config.filters[i].settings);
-      if (external == nullptr || NamesObject(*external) || !external->folder.empty()) continue;
+      if (external == nullptr || NamesObject(*external) || !external->folder.empty() ||
+          !external->answers.empty()) {
+        continue;
+      }
       const std::string filter = fmt::format("controllers.{}.filter", named.name);
       const bool is_set =
           std::ranges::any_of(std::array{".command", ".library"}, [&](const char* key) {

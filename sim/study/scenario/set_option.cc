@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
+#include <filesystem>
 #include <string_view>
 #include <vector>
 
@@ -137,10 +139,33 @@ std::size_t EndOfSetting(std::string_view words, std::size_t begin) {
   return at;
 }
 
+/// A controller with what another program made of the recording.
+void AddAnswers(YamlNode& root, const std::string& text, std::string_view file,
+                YamlSource& source) {
+  std::string name = std::filesystem::path(file).stem().string();
+  std::ranges::transform(name, name.begin(), [](unsigned char letter) {
+    return std::isalnum(letter) != 0 ? static_cast<char>(std::tolower(letter)) : '_';
+  });
+  const std::string path =
+      fmt::format("{}.{}", kControllers, FreeName(name, ControllerNames(root)));
+  const YamlNode filter =
+      YamlNode::Map({{YamlNode::Scalar("kind"), YamlNode::Scalar("external")},
+                     {YamlNode::Scalar("answers"), YamlNode::Scalar(std::string(file))}});
+  PutOver(root, path, YamlNode::Map({{YamlNode::Scalar("filter"), filter}}), OverridePlace(text),
+          source);
+  source.overrides[path] = text;
+}
+
 void AddController(YamlNode& root, const std::string& text, std::string_view words,
                    YamlSource& source) {
+  if (std::error_code none; std::filesystem::is_regular_file(words, none)) {
+    return AddAnswers(root, text, words, source);
+  }
   const std::size_t colon = std::min(words.find(':'), words.size());
   const std::string kind(words.substr(0, colon));
+  if (kind.find_first_of("./") != std::string::npos) {  // which no kind has
+    Fail(text, std::string(kControllers), "no such file: " + Shown(words));
+  }
   std::vector<std::string> kinds;
   for (const controller::FilterKind& known : controller::FilterKinds()) {
     kinds.emplace_back(known.name);

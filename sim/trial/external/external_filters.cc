@@ -56,6 +56,11 @@ using MakeStepper = std::function<std::unique_ptr<Stepper>()>;
 /// The files that decide what a program or library does. Errors: SettingError if it is not there.
 std::vector<std::filesystem::path> FilesOf(const ExternalConfig& config) {
   if (!config.library.empty()) return {FindLibrary(config)};
+  if (!config.answers.empty()) {
+    std::vector<std::filesystem::path> files = {config.answers};
+    if (!config.answers_map.empty()) files.emplace_back(config.answers_map);
+    return files;
+  }
   return FilesOf(FindProgram(config));
 }
 
@@ -175,6 +180,19 @@ std::string OnlyOnce() {
   return fmt::format("{} {}", kOnce, consents.load());
 }
 
+/// Errors: SettingError for answers that no filter can give.
+void CheckAnswers(const ExternalConfig& external, const ControllerConfig& config, std::size_t i) {
+  if (!external.command.empty() || !external.library.empty()) {
+    throw controller::SettingError("answers",
+                                   "is there beside a command or library, must be one of them");
+  }
+  if (i > 0 || config.filter_on != controller::FilterOn::kCounts) {
+    throw controller::SettingError(
+        "answers", "must be the first filter, with filter_on: counts: they are of the recording");
+  }
+  InputFile(external.answers);
+}
+
 class ExternalMaker final : public controller::FilterMaker {
  public:
   /// `problem`: where a filter notes why it failed.
@@ -228,6 +246,10 @@ void CheckPrograms(const ControllerConfig& config) {
       FindObject(external);
       return;
     }
+    if (!external.answers.empty()) {
+      CheckAnswers(external, config, i);
+      return;
+    }
     const bool is_library = !external.library.empty();
     if (is_library != external.command.empty()) {
       throw controller::SettingError(
@@ -272,7 +294,7 @@ std::string HashOfPrograms(const ControllerConfig& config) {
   if (!HasPrograms(config)) return "";
   Hash hash;
   ForEachExternal(config, [&hash](std::size_t, const ExternalConfig& external) {
-    if (!external.deterministic) hash.Add(OnlyOnce());
+    if (!external.deterministic && external.answers.empty()) hash.Add(OnlyOnce());
     if (NamesObject(external)) {
       hash.Add(FindObject(external)->identity);
       return;
@@ -291,7 +313,7 @@ TrialPrograms::TrialPrograms(const ControllerConfig& config)
   CheckPrograms(config);
   for (FilterConfig& filter : config_.filters) {
     auto* external = std::get_if<ExternalConfig>(&filter.settings);
-    if (external == nullptr) continue;
+    if (external == nullptr || !external->answers.empty()) continue;  // the study makes those
     external->make = maker_.get();
   }
 }

@@ -20,7 +20,8 @@ void NameRun(const std::string& name);
 /// The consent as messages call it, in place of --allow-programs. `option` lives for ever.
 void NameConsent(const char* option);
 
-/// True if the controller has a filter that is a program, a library, or an object (own_objects.h).
+/// True if the controller has a filter that is a program, a library, an object (own_objects.h), or
+/// a file of their answers (answer_filter.h).
 bool HasPrograms(const controller::ControllerConfig& config);
 
 /// True if one of them is no shared library: it has no place in real time.
