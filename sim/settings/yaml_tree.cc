@@ -294,13 +294,18 @@ YamlNode ParseYamlFile(const std::filesystem::path& file) {
 
 namespace {
 
+/// An item of a list is `filter.1`, or `filter[1]` as messages have it.
 std::vector<std::string> SplitPath(std::string_view path) {
   std::vector<std::string> keys(1);
-  for (const char c : path) {
-    if (c == '.') {
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const std::size_t end = path[i] == '[' ? path.find_first_not_of("0123456789", i + 1) : i;
+    if (path[i] == '.') {
       keys.emplace_back();
+    } else if (end > i + 1 && end < path.size() && path[end] == ']') {
+      keys.emplace_back(path.substr(i + 1, end - i - 1));
+      i = end;
     } else {
-      keys.back() += c;
+      keys.back() += path[i];
     }
   }
   return keys;

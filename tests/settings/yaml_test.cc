@@ -250,12 +250,12 @@ TEST_F(YamlReaderTest, MessagesShowLongValuesInShort) {
 }
 
 TEST_F(YamlReaderTest, OverridesWinOverTheFile) {
-  const Outer outer =
-      Read("title: t\ninner: {order: 3}\nlist: [{order: 1}, {order: 2}]\n",
-           {"inner.order=4", "inner.cutoff_hz=2.5", "list.1.order=7", "title=other"});
+  const Outer outer = Read(
+      "title: t\ninner: {order: 3}\nlist: [{order: 1}, {order: 2}]\n",
+      {"inner.order=4", "inner.cutoff_hz=2.5", "list[0].order=5", "list.1.order=7", "title=other"});
   EXPECT_EQ(outer.inner.order, 4);
   EXPECT_EQ(outer.inner.cutoff_hz, 2.5);
-  EXPECT_EQ(outer.list[0].order, 1);
+  EXPECT_EQ(outer.list[0].order, 5);
   EXPECT_EQ(outer.list[1].order, 7);
   EXPECT_EQ(outer.title, "other");
 }
@@ -274,6 +274,8 @@ TEST_F(YamlReaderTest, MistakesInOverridesOfAListNameTheOverride) {
       Complaint(two, {"list.2.order=3"}),
       "--set list.2.order=3: list is a list of 2: an item is named by its number, 0 to 1, not "
       "by 2");
+  EXPECT_THAT(Complaint(two, {"list[2].order=3"}), EndsWith("by its number, 0 to 1, not by 2"));
+  EXPECT_THAT(Complaint(two, {"list[1.order=3"}), EndsWith("unknown key (did you mean list?)"));
   EXPECT_EQ(Complaint(two, {"list.order=3"}),
             "--set list.order=3: list is a list of 2: an item is named by its number, 0 to 1, not "
             "by order");
