@@ -143,6 +143,7 @@ class DeviceGlove final : public LiveGlove {
   std::optional<SampleTimes> TimesOf(const LiveTick& tick, const HandLoop& loop,
                                      std::int64_t before) const noexcept override;
   int TakeFirst() noexcept;
+  void SetFirst(const Head& head, std::span<const double> counts) noexcept;
   void AcceptFrame(const Head& head, std::span<const double> counts, const LiveTick& tick,
                    HandLoop& loop) noexcept;
   void FollowGlove(HandLoop& loop) noexcept;
@@ -242,17 +243,20 @@ void DeviceGlove::Read(const std::stop_token& stop) {
   has_ended_.store(true, std::memory_order_release);
 }
 
+void DeviceGlove::SetFirst(const Head& head, std::span<const double> counts) noexcept {
+  first_ = head;
+  std::ranges::copy(counts, first_counts_.begin());
+  has_first_ = true;
+}
+
 /// Takes the newest frame for the first: others in the queue are of the past. A file begins when it
 /// is played. Returns how many frames it took.
 int DeviceGlove::TakeFirst() noexcept {
   const bool has_past = setup_.source->address().kind != DeviceKind::kFile;
   int taken = 0;
   while ((has_past || !has_first_) &&
-         frames_.Pop([&](const Head& head, std::span<const double> counts) {
-           first_ = head;
-           std::ranges::copy(counts, first_counts_.begin());
-         })) {
-    has_first_ = true;
+         frames_.Pop(
+             [&](const Head& head, std::span<const double> counts) { SetFirst(head, counts); })) {
     ++taken;
   }
   return taken;
@@ -312,16 +316,24 @@ bool DeviceGlove::HasEnded(std::int64_t /*tick*/) const noexcept {
 
 std::span<const std::int32_t> DeviceGlove::Step(const LiveTick& tick, HandLoop& loop) noexcept {
   most_waiting_ = std::max(most_waiting_, waiting_frames());
-  if (has_first_) {
-    TakeFirst();
-    has_begun_.store(setup_.source->address().kind != DeviceKind::kFile, std::memory_order_relaxed);
-    AcceptFrame(first_, first_counts_, tick, loop);
-  }
-  has_first_ = false;
+  const bool has_past = setup_.source->address().kind != DeviceKind::kFile;
+  if (has_first_) has_begun_.store(has_past, std::memory_order_relaxed);
+  const auto accept_first = [&] {
+    if (has_first_) AcceptFrame(first_, first_counts_, tick, loop);
+    has_first_ = false;
+  };
   while (frames_.Pop([&](const Head& head, std::span<const double> counts) {
+    // The recording begins at the start, with what the glove said last before it. What came since,
+    // as the first tick may be late, are samples like all others.
+    if (has_first_ && has_past && head.arrival_ns <= tick.wake.NominalOf_ns(0)) {
+      SetFirst(head, counts);
+      return;
+    }
+    accept_first();
     AcceptFrame(head, counts, tick, loop);
   })) {
   }
+  accept_first();
   step_begin_ns_ = MonotonicNow_ns();
   return loop.StepController();
 }

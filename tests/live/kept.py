@@ -103,6 +103,7 @@ def samples(file, unit="deg"):
     check(rows and rows[0] == ["time_s", f"index_mcp_{unit}", f"middle_mcp_{unit}"], f"{file}: {text[:80]}")
     numbers = []
     times_s = [float(row[0]) for row in rows[1:]]
+    check(times_s[:1] == [0.0], f"{file}: begins {times_s[:1]} s after the session: its scores would be of other moments")
     check(all(a < b for a, b in zip(times_s, times_s[1:])), f"{file}: times do not rise")
     for row in rows[1:]:
         if unit != "deg":
@@ -272,11 +273,13 @@ def test_memory_does_not_grow(place):
     session = Session(place, "--page", "0")
     session.wait_for_samples(place / "recording.csv")
     time.sleep(3.0)
-    begin_kb = resident_kb(session.process)
-    time.sleep(6.0)
-    grown_kb = resident_kb(session.process) - begin_kb
+    grown_kb = []  # what is kept grows in each stretch; what is used late, as on a busy machine, in one
+    while len(grown_kb) < 4 and (not grown_kb or grown_kb[-1] >= MOST_GROWN_KB):
+        begin_kb = resident_kb(session.process)
+        time.sleep(6.0)
+        grown_kb.append(resident_kb(session.process) - begin_kb)
     session.kill()
-    check(grown_kb < MOST_GROWN_KB, f"{grown_kb} KB in 6 s")
+    check(grown_kb[-1] < MOST_GROWN_KB, f"{grown_kb} KB in 6 s each")
 
 
 if __name__ == "__main__":
