@@ -124,6 +124,12 @@ std::string_view UnitOfDate(double first, double usual_step) {
   return "";
 }
 
+/// True for the index of pandas, which reset_index() calls so, if its numbers count from a date.
+bool IsIndexOfDates(const std::string& name, double first, double usual_step) {
+  const std::string_view unit = UnitOfDate(first, usual_step);
+  return BareName(name) == "index" && !unit.empty() && IsRateOfGlove(usual_step, unit);
+}
+
 /// Unit in a name such as time_ms or Elapsed Time (milliseconds); empty if there is none.
 std::string_view UnitByName(const std::string& name) {
   constexpr std::array<Meaning, 6> kUnits = {
@@ -276,8 +282,10 @@ TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
   double nameless_step = 0.0;
   for (std::size_t column = 0; column < layout.columns; ++column) {
     const std::string& name = layout.names[column];
-    const bool is_named = TimeScaleS(name) || (MayBeTime(name) && !IsSampleNumber(name) &&
-                                               !HasWordOf(WordsOf(name), kRowNumbers));
+    const std::vector<std::string> words = WordsOf(name);
+    const bool is_number = HasWordOf(words, kRowNumbers) && !HasWordOf(words, "time");
+    const bool is_named =
+        TimeScaleS(name) || (MayBeTime(name) && !IsSampleNumber(name) && !is_number);
     const std::vector<double> values = ValuesOf(layout, column);
     if (KindOf(layout, column) != CellKind::kNumber || values.size() < 3) continue;
     const Steps steps = StepsOf(values);
@@ -296,7 +304,7 @@ TimeGuess GuessTime(const TableLayout& layout, const std::string& unit) {
       if (!unit.empty()) return {{TimeIn(column, unit)}, "in the unit that is given"};
       return GuessOf(column, name, values.front(), steps.usual);
     } else if (dates.empty() && nameless.why.empty() && steps.forward_share >= kAll &&
-               !NamesOther(name)) {
+               (!NamesOther(name) || IsIndexOfDates(name, values.front(), steps.usual))) {
       nameless = GuessOf(column, name, values.front(), steps.usual);
       nameless_step = steps.usual;
       if (!unit.empty()) nameless.parts = {TimeIn(column, unit)};

@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <cctype>
+#include <set>
 
 #include "sim/base/error.h"
 #include "sim/base/json.h"
@@ -300,11 +301,25 @@ class MessageRows::Json {
       rows_.lists_.push_back({&node, rows_.list_values_.size(), value.size()});
       for (const Value& number : value) rows_.list_values_.push_back(NumberOf(number));
     } else {
+      const std::vector<std::string> keys = KeysOf(value);
       for (std::size_t i = 0; i < value.size(); ++i) {
-        const std::string number = std::to_string(i + 1);
-        Read(number, value[i], node.Part(i, number), depth + 1);
+        Read(keys[i], value[i], node.Part(i, keys[i]), depth + 1);
       }
     }
+  }
+
+  /// Keys of a list's items: their own names, as in foxglove.JointStates, if all have another one,
+  /// else their numbers.
+  static std::vector<std::string> KeysOf(const Value& list) {
+    std::vector<std::string> numbers;
+    std::vector<std::string> names;
+    for (const Value& item : list) {
+      numbers.push_back(std::to_string(numbers.size() + 1));
+      if (!item.is_object() || !item.contains("name") || !item["name"].is_string()) continue;
+      names.push_back(item["name"].get<std::string>());
+    }
+    const std::set<std::string> distinct(names.begin(), names.end());
+    return distinct.size() == numbers.size() ? names : numbers;
   }
 
   MessageRows& rows_;

@@ -11,11 +11,14 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/tables/array_files.h"
 #include "sim/tables/array_table.h"
+#include "sim/tables/arrow_schema.h"
 #include "sim/tables/byte_reader.h"
 #include "sim/tables/checksum.h"
 #include "sim/tables/thrift_value.h"
@@ -25,7 +28,8 @@ namespace {
 
 constexpr std::string_view kMagic = "PAR1";
 constexpr std::int64_t kMostPageBytes = std::int64_t{1} << 28;
-constexpr std::int64_t kMostPageValues = std::int64_t{1} << 26;  // half a gigabyte of numbers
+constexpr std::int64_t kMostPageValues = std::int64_t{1} << 26;   // half a gigabyte of numbers
+constexpr std::string_view kNamelessIndex = "__index_level_0__";  // of pandas
 constexpr double kNull = std::numeric_limits<double>::quiet_NaN();
 
 // Numbers of parquet.thrift.
@@ -96,10 +100,13 @@ std::string_view TimeUnitOf(const ThriftValue& element) {
   return "";
 }
 
-/// Reads the schema, a tree written depth first.
+/// Reads the schema, a tree written depth first. `durations`: columns with a unit of time that the
+/// schema does not have.
 class SchemaReader {
  public:
-  explicit SchemaReader(const std::vector<ThriftValue>& elements) : elements_(elements) {
+  SchemaReader(const std::vector<ThriftValue>& elements,
+               std::vector<std::pair<std::string, std::string_view>> durations)
+      : elements_(elements), durations_(std::move(durations)) {
     if (elements_.empty()) FailAsDamaged("it has no schema");
     const std::int64_t children = elements_[next_++].NumberOr(5, 0);
     for (std::int64_t i = 0; i < children; ++i) Read("", {}, false, 0);
@@ -131,7 +138,11 @@ class SchemaReader {
     constexpr std::int64_t kFirstUnsigned = 11, kLastUnsigned = 14;
     const std::int64_t converted = element.NumberOr(6, -1);
     leaf.type = element.NumberOr(1, -1);
-    const std::string_view time_unit = TimeUnitOf(element);
+    std::string_view time_unit = TimeUnitOf(element);
+    for (const auto& [duration, unit] : durations_) {
+      if (duration == name && leaf.type == kParquetInt64) time_unit = unit;
+    }
+    if (name == kNamelessIndex) name = time_unit.empty() ? "nameless" : "index";
     leaf.name = time_unit.empty() ? name : NameOfTimes(name, time_unit);
     leaf.is_unsigned = (converted >= kFirstUnsigned && converted <= kLastUnsigned) ||
                        (element[10][10].Has(2) && element[10][10][2].number == 0);
@@ -144,6 +155,7 @@ class SchemaReader {
   }
 
   const std::vector<ThriftValue>& elements_;
+  std::vector<std::pair<std::string, std::string_view>> durations_;
   std::size_t next_ = 0;
   std::vector<Leaf> leaves_;
 };
@@ -483,7 +495,11 @@ std::vector<NamedArray> ReadParquet(std::string_view bytes) {
   const std::string_view pages = bytes.substr(0, bytes.size() - ends - size);
   ByteReader description(bytes.substr(pages.size(), size));
   const ThriftValue file = ReadThrift(description);
-  const std::vector<Leaf> leaves = SchemaReader(file[2].items).leaves();
+  std::vector<std::pair<std::string, std::string_view>> durations;
+  for (const ThriftValue& fact : file[5].items) {
+    if (fact[1].bytes == "ARROW:schema") durations = DurationsOf(fact[2].bytes);
+  }
+  const std::vector<Leaf> leaves = SchemaReader(file[2].items, std::move(durations)).leaves();
   const std::int64_t rows = file.NumberOr(3, -1);
   if (rows < 0 || rows > kMostPageValues) FailAsDamaged("it has no number of rows");
   std::vector<NamedArray> arrays;

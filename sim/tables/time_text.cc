@@ -116,9 +116,66 @@ std::optional<double> TakeShift(TimeScanner& scanner) {
   return 3600.0 * *hours + 60.0 * scanner.TakeNumber(2).value_or(0);
 }
 
+/// Behind the P of a duration of ISO 8601 of days and less: 1DT2H3M4.5S. The number in front of
+/// a letter may have a sign.
+std::optional<double> TakeIsoDuration(TimeScanner& scanner) {
+  constexpr std::size_t kMostDigits = 9;
+  double seconds = 0.0;
+  bool is_clock = false;
+  bool has_part = false;
+  while (!scanner.at_end()) {
+    if (!is_clock && scanner.TakeAnyOf("T")) {
+      is_clock = true;
+      has_part = false;
+    }
+    const bool minus = scanner.TakeAnyOf("-");
+    const auto whole = scanner.TakeNumber(kMostDigits);
+    if (!whole) return std::nullopt;
+    const double number = (minus ? -1.0 : 1.0) * (*whole + scanner.TakeFraction());
+    if (!is_clock && scanner.TakeAnyOf("D")) {
+      seconds += kSecondsPerDay * number;
+    } else if (is_clock && scanner.TakeAnyOf("H")) {
+      seconds += 3600.0 * number;
+    } else if (is_clock && scanner.TakeAnyOf("M")) {
+      seconds += 60.0 * number;
+    } else if (is_clock && scanner.TakeAnyOf("S")) {
+      seconds += number;
+    } else {
+      return std::nullopt;
+    }
+    has_part = true;
+  }
+  return has_part ? std::optional(seconds) : std::nullopt;
+}
+
+/// A duration: `PT0.01S` (of polars), `P0DT0H0M0.010S` and `-1 days +23:59:59.99` (of pandas),
+/// `1 day, 0:00:01` (of Python).
+std::optional<double> SecondsOfDuration(std::string_view text) {
+  TimeScanner scanner(text);
+  const bool minus = scanner.TakeAnyOf("-");
+  if (scanner.TakeAnyOf("P")) {
+    const auto seconds = TakeIsoDuration(scanner);
+    return seconds && minus ? -*seconds : seconds;
+  }
+  constexpr std::size_t kMostDigits = 6;
+  const auto days = scanner.TakeNumber(kMostDigits);
+  if (!days || !scanner.TakeWord(" DAY")) return std::nullopt;
+  scanner.TakeAnyOf("s");
+  const double seconds = (minus ? -kSecondsPerDay : kSecondsPerDay) * *days;
+  if (scanner.at_end()) return seconds;
+  scanner.TakeAnyOf(",");
+  if (!scanner.TakeAnyOf(" ")) return std::nullopt;
+  scanner.TakeAnyOf("+");
+  const auto hours = scanner.TakeNumber(2);
+  if (!hours || !scanner.TakeAnyOf(":")) return std::nullopt;
+  const auto clock_s = TakeClock(scanner, *hours);
+  return clock_s && scanner.at_end() ? std::optional(seconds + *clock_s) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<double> SecondsOfText(std::string_view text) {
+  if (const auto duration_s = SecondsOfDuration(Unquoted(text))) return duration_s;
   TimeScanner scanner(Unquoted(text));
   auto first = scanner.TakeNumber(4);
   if (!first) return std::nullopt;

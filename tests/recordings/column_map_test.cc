@@ -288,6 +288,17 @@ TEST(SecondsOfText, ReadsDatesAndClocks) {
       {"23:59:60", day_s},  // a leap second
       {"1970/01/02/00:00:01.25", day_s + 1.25},
       {"1970-01-01T00:00:01.123456+00:00", 1.123456},
+      // str() of pandas.Timedelta and to_csv() of pandas 3.1.1; str() of datetime.timedelta
+      {"0 days 00:00:00.010000", 0.01},
+      {"-1 days +23:59:59.990000", -0.01},
+      {"2 days", 2 * day_s},
+      {"1 day, 0:00:01.500000", day_s + 1.5},
+      // ISO 8601 of polars 2.1.0 and of pandas 3.1.1 in JSON
+      {"PT0.01S", 0.01},
+      {"P0D", 0.0},
+      {"P1DT2H3M4.5S", day_s + 7384.5},
+      {"-PT0.01S", -0.01},
+      {"P-1DT23H59M59.990S", -0.01},
   };
   for (const auto& [text, seconds] : known) {
     const auto read = SecondsOfText(text);
@@ -298,8 +309,10 @@ TEST(SecondsOfText, ReadsDatesAndClocks) {
 
 TEST(SecondsOfText, ReadsNothingElse) {
   for (const char* text :
-       {"", "1", "1.5", "1,5", "-3", "12:", "12:61", "23:59:61", "25:00", "2024-02-30", "12:00x",
-        "1.2.3", "index", "2024-01-01T", "1e5", "nan", "10:20:30:40", "1-2"}) {
+       {"",         "1",     "1.5",         "1,5",    "-3",    "12:",         "12:61",
+        "23:59:61", "25:00", "2024-02-30",  "12:00x", "1.2.3", "P",           "PT",
+        "P1",       "P1DT",  "PT5",         "P5S",    "p1",    "PIP",         "3 day sun",
+        "5 days 3", "index", "2024-01-01T", "1e5",    "nan",   "10:20:30:40", "1-2"}) {
     EXPECT_FALSE(SecondsOfText(text)) << text;
   }
 }

@@ -414,6 +414,25 @@ TEST(MessageRows, RefusesWhatItDoesNotRead) {
   EXPECT_THROW(rows.Read(JointStateMessage(1, {"a", "a"}, {1, 2})), UserError);
 }
 
+// foxglove.JointStates in JSON, as foxglove-sdk 0.30.3 (PyPI) writes it. Wrong: joints by place, so
+// that a message in another order exchanges fingers.
+TEST(MessageRows, CallsItemsOfAListByTheirNames) {
+  Topic topic;
+  topic.encoding = "json";
+  MessageRows rows(topic);
+  rows.Read(R"({"timestamp": {"sec": 1, "nsec": 5}, "joints": [{"name": "index_mcp", "position": 1},
+                {"name": "index_pip", "position": 2}]})");
+  EXPECT_EQ(rows.stamp_ns(), 1000000005);
+  rows.Read(R"({"joints": [{"name": "index_pip", "position": 4},
+                {"name": "index_mcp", "position": 3}]})");
+  EXPECT_THAT(rows.columns(),
+              ElementsAre("joints_index_mcp_position", "joints_index_pip_position"));
+  EXPECT_THAT(rows.row(), ElementsAre(3, 4));
+  MessageRows unnamed(topic);
+  unnamed.Read(R"({"f": [{"name": "a", "x": 1}, {"name": "a", "x": 2}, {"x": 3}]})");
+  EXPECT_THAT(unnamed.columns(), ElementsAre("f_1_x", "f_2_x", "f_3_x"));
+}
+
 /// One topic with these times, and its message's number as the only value.
 class TimedMessages : public MessageFile {
  public:

@@ -18,6 +18,7 @@
 #include "sim/base/error.h"
 #include "sim/recordings/table_source.h"
 #include "sim/tables/array_files.h"
+#include "sim/tables/arrow_schema.h"
 #include "sim/tables/checksum.h"
 #include "sim/tables/text_lines.h"
 #include "tests/support/program.h"
@@ -222,7 +223,8 @@ V1Chunk ChunkOf(const V1Column& column, std::int64_t rows, std::int64_t type, st
 
 /// A file with one column of this schema, in row groups of as many rows each.
 std::string V1File(const std::vector<V1Column>& groups, std::int64_t rows_of_each,
-                   std::vector<std::string> schema, std::int64_t type) {
+                   std::vector<std::string> schema, std::int64_t type,
+                   const std::string& arrow_schema = "") {
   std::string file = "PAR1";
   std::vector<std::string> described;
   for (const V1Column& column : groups) {
@@ -231,15 +233,17 @@ std::string V1File(const std::vector<V1Column>& groups, std::int64_t rows_of_eac
     described.push_back(List(1, {Group(3, chunk.meta)}));
   }
   schema.insert(schema.begin(), Text(4, "root") + Number(1, 1));
+  const std::string facts =
+      arrow_schema.empty() ? "" : List(1, {Text(1, "ARROW:schema") + Text(1, arrow_schema)});
   const std::string description = Number(1, 1) + List(1, schema) +
                                   Number(1, rows_of_each * std::ssize(groups)) +
-                                  List(1, described) + '\0';
+                                  List(1, described) + facts + '\0';
   return file + description + Little(static_cast<std::uint32_t>(description.size())) + "PAR1";
 }
 
 std::string V1File(const V1Column& column, std::int64_t rows, std::vector<std::string> schema,
-                   std::int64_t type) {
-  return V1File(std::vector{column}, rows, std::move(schema), type);
+                   std::int64_t type, const std::string& arrow_schema = "") {
+  return V1File(std::vector{column}, rows, std::move(schema), type, arrow_schema);
 }
 
 const std::string kListNode = Number(3, 2) + Text(1, "list") + Number(1, 1);
@@ -412,10 +416,11 @@ TEST(Parquet, ListsOfListsAreReadIfAllHaveOneShape) {
 }
 
 /// Two values of a required column with this physical type, written plainly.
-NamedArray PlainColumn(std::int64_t type, const std::string& leaf, const std::string& values) {
+NamedArray PlainColumn(std::int64_t type, const std::string& leaf, const std::string& values,
+                       const std::string& arrow_schema = "") {
   const V1Column column = {
       .encoding = 0, .levels = "", .values = values, .dictionary = "", .count = 2};
-  const std::vector<NamedArray> arrays = ReadParquet(V1File(column, 2, {leaf}, type));
+  const std::vector<NamedArray> arrays = ReadParquet(V1File(column, 2, {leaf}, type, arrow_schema));
   EXPECT_EQ(arrays.size(), 1U);
   return arrays.front();
 }
@@ -487,6 +492,51 @@ TEST(Parquet, HalvesDecimalsAndOldTimesAreNumbers) {
   EXPECT_THAT(time.values, ElementsAre(7.0, 86400e9));
   const std::string date = Number(1, 1) + Number(2, 0) + Text(1, "day") + Number(2, 6);
   EXPECT_EQ(PlainColumn(1, date, "").left_out, "dates without a clock");
+}
+
+/// Columns t (duration in us) and joint (double), by polars 2.1.0 (PyPI), write_parquet().
+constexpr const char* kSchemaOfPolars =
+    "/////54AAAAEAAAA8v///xQAAAAEAAEAAAAKAAsACAAKAAQA+P///wwAAAAIAAgAAAAEAAIAAAA0AAAABAAAAMD///8cAA"
+    "AAEAAAAAgAAAABAwAAAAAAAL7///8CAAAABQAAAGpvaW50AAAA7P///zAAAAAgAAAAGAAAAAESAAAQABIABAAQABEACAAA"
+    "AAwAAAAAAPr///8CAAYABgAEAAEAAAB0AA==";
+/// Columns a_s, b_ms, joint (double), c_us and d_ns, by pyarrow 26.0.1 (PyPI), write_table().
+constexpr const char* kSchemaOfArrow =
+    "/////zgBAAAQAAAAAAAKAAwABgAFAAgACgAAAAABBAAMAAAACAAIAAAABAAIAAAABAAAAAUAAADUAAAAlAAAAGQAAAA0AA"
+    "AABAAAAFD///8AAAESEAAAABgAAAAEAAAAAAAAAAQAAABkX25zAAAAAEL///8AAAMAfP///wAAARIQAAAAGAAAAAQAAAAA"
+    "AAAABAAAAGNfdXMAAAAAbv///wAAAgCo////AAABAxAAAAAYAAAABAAAAAAAAAAFAAAAam9pbnQAAACa////AAACANT///"
+    "8AAAESEAAAABwAAAAEAAAAAAAAAAQAAABiX21zAAAAAAQABAAEAAAAEAAUAAgABgAHAAwAAAAQABAAAAAAAAESEAAAABwA"
+    "AAAEAAAAAAAAAAMAAABhX3MAAAAGAAgABgAGAAAAAAAAAAAAAAA=";
+
+// Wrong: whole numbers without a unit, so that a recording of 100 Hz has a rate that is assumed.
+TEST(Parquet, DurationsHaveTheUnitOfTheSchemaOfArrow) {
+  using testing::Pair;
+  EXPECT_THAT(DurationsOf(kSchemaOfPolars), ElementsAre(Pair("t", "us")));
+  EXPECT_THAT(DurationsOf(kSchemaOfArrow), ElementsAre(Pair("a_s", "s"), Pair("b_ms", "ms"),
+                                                       Pair("c_us", "us"), Pair("d_ns", "ns")));
+  const std::string values = Little(std::int64_t{0}) + Little(std::int64_t{10000});
+  const std::string leaf = Number(1, 2) + Number(2, 0) + Text(1, "t");
+  const NamedArray time = PlainColumn(2, leaf, values, kSchemaOfPolars);
+  EXPECT_EQ(time.name, "t_us");
+  EXPECT_THAT(time.values, ElementsAre(0.0, 10000.0));
+  EXPECT_EQ(PlainColumn(2, leaf, values).name, "t");
+  // Damage has no units, or others, and reads nothing outside.
+  const std::string whole = kSchemaOfArrow;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    DurationsOf(whole.substr(0, i));
+    for (const char digit : {'A', 'P', 'f', '/'}) {
+      std::string damaged = whole;
+      damaged[i] = digit;
+      DurationsOf(damaged);
+    }
+  }
+}
+
+// df.to_parquet() of pandas 3.1.1 with a DatetimeIndex: the last column, __index_level_0__.
+TEST(Parquet, IndexOfPandasWithoutANameMayBeATime) {
+  const std::string values = Little(std::int64_t{0}) + Little(std::int64_t{10000});
+  const std::string name = Number(1, 2) + Number(2, 0) + Text(1, "__index_level_0__");
+  EXPECT_EQ(PlainColumn(2, name + Number(2, 10), values).name, "index_time_us");
+  EXPECT_EQ(PlainColumn(2, name, values).name, "nameless");
 }
 
 TEST(Parquet, ThatIsNotReadSaysWhy) {
