@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/helper_process.h"
 #include "sim/tables/array_files.h"
+#include "sim/tables/array_table.h"
+#include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -54,13 +57,23 @@ std::vector<std::string> TextsIn(const H5::Attribute& attribute) {
   return texts;
 }
 
-/// The class that MATLAB 7.3 notes for a variable, as `double` or `char`; empty without one.
-std::string MatlabClassOf(const H5::DataSet& dataset) {
-  if (!dataset.attrExists("MATLAB_class")) return "";
-  const H5::Attribute attribute = dataset.openAttribute("MATLAB_class");
+/// The text of an attribute; empty without one.
+std::string TextOf(const H5::DataSet& dataset, const char* attribute_name) {
+  if (!dataset.attrExists(attribute_name)) return "";
+  const H5::Attribute attribute = dataset.openAttribute(attribute_name);
   if (attribute.getTypeClass() != H5T_STRING) return "";
   const std::vector<std::string> texts = TextsIn(attribute);
   return texts.empty() ? "" : texts.front();
+}
+
+/// `place` with the unit of a time, as `milliseconds since 2025-11-29 10:00` of NetCDF. Source:
+/// cfconventions.org, 4.4 Time Coordinate. xarray chooses the unit by the times.
+std::string NameWithUnit(const H5::DataSet& dataset, const std::string& place) {
+  const std::string own = place.substr(place.rfind('_') + 1);
+  if (TimeScaleS(own) != 1.0) return place;
+  const std::string units = TextOf(dataset, "units");
+  const std::optional<double> scale_s = TimeScaleS(units.substr(0, units.find(' ')));
+  return scale_s && *scale_s != 1.0 ? NameOfTimes(place, UnitOfSeconds(*scale_s)) : place;
 }
 
 /// A filter that this program does not have, as lzf; empty if it has all.
@@ -203,7 +216,7 @@ void AddTexts(NamedArray array, std::vector<NamedArray>& arrays) {
 void AddArrays(const H5::DataSet& dataset, const std::string& place, bool is_of_octave,
                std::vector<NamedArray>& arrays) {
   const H5T_class_t kind = dataset.getTypeClass();
-  const std::string matlab_class = MatlabClassOf(dataset);
+  const std::string matlab_class = TextOf(dataset, "MATLAB_class");
   if (dataset.attrExists("MATLAB_empty")) return;
   NamedArray array{.name = place, .values = {}};
   const auto leave_out = [&](std::string reason) {
@@ -244,6 +257,7 @@ void AddArrays(const H5::DataSet& dataset, const std::string& place, bool is_of_
   ReadValues(dataset, H5::PredType::NATIVE_DOUBLE, shape,
              is_reversed ? ArrayOrder::kColumns : ArrayOrder::kRows, array);
   if (matlab_class == "char") return AddTexts(std::move(array), arrays);
+  array.name = NameWithUnit(dataset, place);
   arrays.push_back(std::move(array));
 }
 

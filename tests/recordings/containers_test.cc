@@ -312,6 +312,26 @@ TEST_F(Containers, Hdf5OfMatlabAndOctaveHasItsDimensionsBack) {
             "\n0,4,8,2,6,10,0,2,4\n1,5,9,3,7,11,1,3,5\n");
 }
 
+// to_netcdf() of xarray 2026.9.0 (PyPI). Wrong: a question, or seconds.
+TEST_F(Containers, Hdf5OfNetcdfHasTheUnitOfItsTimes) {
+  const fs::path file = Path("glove.nc");
+  {
+    const H5::H5File output(file.string(), H5F_ACC_TRUNC);
+    const H5::StrType text(H5::PredType::C_S1, H5T_VARIABLE);
+    const auto add = [&](const char* name, const std::string& units) {
+      AddNumbers(output, name, {2})
+          .createAttribute("units", text, H5::DataSpace())
+          .write(text, units);
+    };
+    add("a_time", "milliseconds since 2025-11-29 10:00:00.003000");
+    add("b_time", "microseconds");
+    add("c_time", "seconds since 2025-11-29");
+    add("d_time_ms", "nanoseconds");
+    add("index_mcp", "milliseconds");
+  }
+  EXPECT_THAT(TableOf(file), StartsWith("a_time_ms,b_time_us,c_time,d_time_ms,index_mcp\n"));
+}
+
 TEST_F(Containers, Hdf5OfRecordsHasAColumnForEachMember) {
   struct Record {
     double time_s;
