@@ -22,6 +22,7 @@
 #include "sim/tables/byte_reader.h"
 #include "sim/tables/checksum.h"
 #include "sim/tables/thrift_value.h"
+#include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -30,6 +31,7 @@ constexpr std::string_view kMagic = "PAR1";
 constexpr std::int64_t kMostPageBytes = std::int64_t{1} << 28;
 constexpr std::int64_t kMostPageValues = std::int64_t{1} << 26;   // half a gigabyte of numbers
 constexpr std::string_view kNamelessIndex = "__index_level_0__";  // of pandas
+constexpr std::string_view kTexts = "texts";
 constexpr double kNull = std::numeric_limits<double>::quiet_NaN();
 
 // Numbers of parquet.thrift.
@@ -63,12 +65,21 @@ struct Leaf {
   std::string name;
   std::int64_t type = 0;
   bool is_unsigned = false;
+  bool is_interval = false;   // months, days and ms
+  bool is_time_text = false;  // texts, which may be dates or clocks by the name
   double factor = 1.0;        // from whole numbers to values of a decimal
   std::string left_out = {};  // why it is not read; empty: it is
   int repeated = 0;           // repeated nodes
   unsigned most_defined = 0;  // the level of a value
   unsigned item_defined = 0;  // from this level on there is an item in the list
 };
+
+/// True for an INTERVAL of Parquet, as DuckDB writes it.
+bool IsInterval(const ThriftValue& element) {
+  constexpr std::int64_t kInterval = 21, kBytes = 12;
+  return element.NumberOr(6, -1) == kInterval && element.NumberOr(1, -1) == kParquetFixedBytes &&
+         element.NumberOr(2, 0) == kBytes;
+}
 
 /// Why a column of the schema is not read, by its converted_type and logicalType; empty if it is.
 std::string_view ReasonToLeaveOut(const ThriftValue& element) {
@@ -79,10 +90,11 @@ std::string_view ReasonToLeaveOut(const ThriftValue& element) {
   if (converted == kDate || element[10].Has(6)) return "dates without a clock";
   if (type == kParquetFixedBytes) {
     const bool is_half = element[10].Has(kHalf) && element.NumberOr(2, 0) == 2;
-    if (is_half) return "";
+    if (is_half || IsInterval(element)) return "";
     return is_decimal ? "decimals of more than 64 bits" : "bytes";
   }
-  if (type == kParquetBytes) return is_decimal ? "decimals of more than 64 bits" : "texts";
+  if (type == kParquetBytes)
+    return is_decimal ? std::string_view("decimals of more than 64 bits") : kTexts;
   const bool is_number = type >= kParquetBoolean && type <= kParquetDouble;
   return is_number ? "" : "no numbers";
 }
@@ -95,6 +107,7 @@ std::string_view TimeUnitOf(const ThriftValue& element) {
   const ThriftValue& unit = time[2];
   if (unit.Has(3) || element.NumberOr(1, -1) == kParquetInt96) return "ns";
   const std::int64_t converted = element.NumberOr(6, -1);
+  if (IsInterval(element)) return "ms";
   if (unit.Has(1) || converted == kTimeMs || converted == kMomentMs) return "ms";
   if (unit.Has(2) || converted == kTimeUs || converted == kMomentUs) return "us";
   return "";
@@ -150,7 +163,12 @@ class SchemaReader {
       const ThriftValue& decimal = element[10][5];
       leaf.factor = std::pow(10.0, -decimal.NumberOr(1, element.NumberOr(7, 0)));
     }
+    leaf.is_interval = IsInterval(element);
     leaf.left_out = ReasonToLeaveOut(element);
+    if (leaf.left_out == kTexts && leaf.repeated == 0 && (TimeScaleS(name) || MayBeTime(name))) {
+      leaf.is_time_text = true;
+      leaf.left_out.clear();
+    }
     leaves_.push_back(std::move(leaf));
   }
 
@@ -281,7 +299,18 @@ std::vector<double> PlainValues(ByteReader bytes, const Leaf& leaf, std::size_t 
       case kParquetFloat:
         values.push_back(bytes.Little<float>());
         break;
+      case kParquetBytes:
+        values.push_back(SecondsOfText(bytes.Take(bytes.Little<std::uint32_t>())).value_or(kNull));
+        break;
       case kParquetFixedBytes:
+        if (leaf.is_interval) {
+          constexpr double kDay_ms = 86400e3;
+          const auto months = bytes.Little<std::uint32_t>();
+          const double days = bytes.Little<std::uint32_t>();
+          const double time_ms = days * kDay_ms + bytes.Little<std::uint32_t>();
+          values.push_back(months == 0 ? time_ms : kNull);
+          break;
+        }
         values.push_back(ValueOfHalf(bytes.Little<std::uint16_t>()));
         break;
       default:
@@ -483,6 +512,20 @@ class ColumnReader {
   std::vector<std::uint32_t> levels_;  // of the values of lists in lists: which list each begins
 };
 
+/// True if all texts of a column are written plainly or by a dictionary; others have no reader.
+bool HasPlainTexts(const std::vector<ThriftValue>& groups, std::size_t column) {
+  constexpr std::int64_t kFirstOther = 5;
+  constexpr std::int64_t kEncodingsOfColumn = 2;
+  return std::ranges::all_of(groups, [column](const ThriftValue& group) {
+    const std::vector<ThriftValue>& chunks = group[1].items;
+    return column < chunks.size() &&
+           std::ranges::all_of(
+               chunks[column][3][kEncodingsOfColumn].items, [](const ThriftValue& encoding) {
+                 return encoding.number < kFirstOther || encoding.number == kRleDictionary;
+               });
+  });
+}
+
 }  // namespace
 
 std::vector<NamedArray> ReadParquet(std::string_view bytes) {
@@ -508,6 +551,10 @@ std::vector<NamedArray> ReadParquet(std::string_view bytes) {
       arrays.push_back({.name = leaves[i].name, .values = {}, .left_out = leaves[i].left_out});
       continue;
     }
+    if (leaves[i].is_time_text && !HasPlainTexts(file[4].items, i)) {
+      arrays.push_back({.name = leaves[i].name, .values = {}, .left_out = std::string(kTexts)});
+      continue;
+    }
     ColumnReader column(leaves[i]);
     for (const ThriftValue& group : file[4].items) {
       const std::vector<ThriftValue>& chunks = group[1].items;
@@ -515,7 +562,13 @@ std::vector<NamedArray> ReadParquet(std::string_view bytes) {
       if (!chunks[i][1].bytes.empty()) throw UserError("has its columns in other files");
       column.ReadChunk(pages, chunks[i]);
     }
-    arrays.push_back(std::move(column).array(static_cast<std::size_t>(rows)));
+    NamedArray array = std::move(column).array(static_cast<std::size_t>(rows));
+    const bool is_empty =
+        std::ranges::all_of(array.values, [](double value) { return std::isnan(value); });
+    if (leaves[i].is_time_text && is_empty) {
+      array = {.name = leaves[i].name, .values = {}, .left_out = std::string(kTexts)};
+    }
+    arrays.push_back(std::move(array));
   }
   return arrays;
 }

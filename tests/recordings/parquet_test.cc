@@ -539,6 +539,30 @@ TEST(Parquet, IndexOfPandasWithoutANameMayBeATime) {
   EXPECT_EQ(PlainColumn(2, name, values).name, "nameless");
 }
 
+// Wrong: left out, so that the rate was assumed.
+TEST(Parquet, TextsOfTimesAndIntervalsAreTimes) {
+  const auto texts = [](const std::string& name, const std::string& first,
+                        const std::string& second) {
+    return PlainColumn(6, Number(1, 6) + Number(2, 0) + Text(1, name) + Number(2, 0),
+                       WithLength(first) + WithLength(second));
+  };
+  const NamedArray time = texts("time", "1970-01-01T00:00:01.5Z", "1970-01-02 00:00:00");
+  EXPECT_EQ(time.name, "time");
+  EXPECT_THAT(time.values, ElementsAre(1.5, 86400.0));
+  EXPECT_EQ(texts("time", "noon", "later").left_out, "texts");
+  EXPECT_EQ(texts("task", "00:00:01", "00:00:02").left_out, "texts");
+  // INTERVAL as DuckDB 2.0.1 (PyPI) writes it: months, days and ms.
+  const auto interval = [](std::uint32_t months, std::uint32_t days, std::uint32_t ms) {
+    return Little(months) + Little(days) + Little(ms);
+  };
+  const std::string leaf =
+      Number(1, 7) + Number(1, 12) + Number(1, 0) + Text(1, "time") + Number(2, 21);
+  const NamedArray elapsed = PlainColumn(7, leaf, interval(0, 0, 10) + interval(0, 1, 20));
+  EXPECT_EQ(elapsed.name, "time_ms");
+  EXPECT_THAT(elapsed.values, ElementsAre(10.0, 86400020.0));
+  EXPECT_TRUE(std::isnan(PlainColumn(7, leaf, interval(1, 0, 0) + interval(0, 0, 1)).values[0]));
+}
+
 TEST(Parquet, ThatIsNotReadSaysWhy) {
   V1Column column = Lists();
   column.codec = 4;
