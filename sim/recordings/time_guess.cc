@@ -217,7 +217,8 @@ TimeGuess GuessOf(std::size_t column, const std::string& name, double first, dou
   const std::string_view named = UnitByName(name);
   const std::string_view of_date = UnitOfDate(first, step);
   const std::vector<std::string> words = WordsOf(name);
-  const bool names_time = TimeScaleS(name) == 1.0 || HasWordOf(words, "time timestamp") ||
+  const bool names_time = TimeScaleS(name) == 1.0 ||
+                          HasWordOf(words, "time timestamp timestamps") ||
                           (!words.empty() && words.back() == "t");
   const bool is_s = names_time && step <= kLongest_s && IsRateOfGlove(step, "s");
   const std::string_view unit = !named.empty()     ? named

@@ -271,6 +271,21 @@ std::string ProblemOfLink(const H5::Group& group, const std::string& name) {
   return is_there ? "" : "a link that leads nowhere";
 }
 
+/// The rate that NWB has beside the time of the first row of a series; nothing without one.
+/// Source: nwb-schema, nwb.base.yaml, TimeSeries.
+std::optional<NamedArray> RateBeside(const H5::DataSet& dataset, const std::string& path) {
+  if (!dataset.attrExists("rate")) return std::nullopt;
+  const H5::Attribute attribute = dataset.openAttribute("rate");
+  const H5T_class_t kind = attribute.getTypeClass();
+  if ((kind != H5T_FLOAT && kind != H5T_INTEGER) ||
+      attribute.getSpace().getSimpleExtentNpoints() != 1) {
+    return std::nullopt;
+  }
+  double rate_hz = 0.0;
+  attribute.read(H5::PredType::NATIVE_DOUBLE, &rate_hz);
+  return NamedArray{.name = path + "_rate", .rows = 1, .columns = 1, .values = {rate_hz}};
+}
+
 /// Groups in groups are read up to this depth.
 void Collect(const H5::Group& group, const std::string& path, int depth,
              std::vector<NamedArray>& arrays) {
@@ -285,7 +300,11 @@ void Collect(const H5::Group& group, const std::string& path, int depth,
     if (problem.empty()) {
       const H5O_type_t type = group.childObjType(name);
       if (type == H5O_TYPE_DATASET) {
-        AddArrays(group.openDataSet(name), place, is_of_octave, arrays);
+        const H5::DataSet dataset = group.openDataSet(name);
+        AddArrays(dataset, place, is_of_octave, arrays);
+        if (auto rate = name == "starting_time" ? RateBeside(dataset, path) : std::nullopt) {
+          arrays.push_back(std::move(*rate));
+        }
       } else if (type == H5O_TYPE_GROUP && name != "#refs#") {
         if (depth < kDeepest) {
           Collect(group.openGroup(name), place, depth + 1, arrays);

@@ -252,6 +252,57 @@ void MarkRecordings(const std::string& path, const std::vector<Part>& parts,
   }
 }
 
+/// The keys of an object as the index of rows, numbers or dates; empty if one is neither.
+std::vector<double> IndexOf(const Json& object) {
+  std::vector<double> index;
+  if (!object.is_object() || object.size() < 2) return {};
+  for (const auto& [key, part] : object.items()) {
+    const auto number = NumberOrMissing(key);
+    const auto found = number ? number : SecondsOfText(key);
+    if (!found || !std::isfinite(*found)) return {};
+    index.push_back(*found);
+  }
+  return index;
+}
+
+/// A table as to_json() of pandas writes it: an object of columns, whose values are under the index
+/// of their rows, or (orient="index") an object of rows under theirs. An index that only counts the
+/// rows is left out. Nothing for any other object.
+std::vector<NamedArray> IndexedTable(const Json& value) {
+  if (!value.is_object() || value.empty()) return {};
+  if (!std::ranges::all_of(value, &Json::is_object)) return {};
+  std::vector<double> index = IndexOf(value);
+  std::vector<NamedArray> arrays;
+  const auto has_cells = [](const Json& row) {
+    return std::ranges::none_of(row, &Json::is_structured);  // else recordings under numbers
+  };
+  if (!index.empty() && !std::ranges::all_of(value, has_cells)) return {};
+  if (!index.empty()) {
+    RowCollector rows;
+    for (const Json& row : value) rows.AddRow(row);
+    arrays = rows.Take("");
+  } else {
+    index = IndexOf(value.front());
+    if (index.empty()) return {};
+    for (const auto& [name, column] : value.items()) {
+      if (IndexOf(column) != index) return {};
+      NamedArray array{.name = name, .rows = index.size(), .values = {}};
+      for (const Json& cell : column) array.values.push_back(NumberOf(cell).value_or(kMissing));
+      const auto is_missing = [](double number) { return std::isnan(number); };
+      if (!std::ranges::all_of(array.values, is_missing)) arrays.push_back(std::move(array));
+    }
+  }
+  bool is_count = true;
+  for (std::size_t i = 0; i < index.size(); ++i) {
+    is_count = is_count && index[i] == static_cast<double>(i);
+  }
+  if (!is_count && !arrays.empty()) {
+    const std::size_t rows = index.size();
+    arrays.insert(arrays.begin(), {.name = "index", .rows = rows, .values = std::move(index)});
+  }
+  return arrays;
+}
+
 void Collect(const std::string& path, const Json& value, int depth,
              std::vector<NamedArray>& arrays) {
   if (depth > kDeepest) throw UserError("is nested too deeply");
@@ -294,7 +345,8 @@ std::vector<NamedArray> ReadJsonArrays(std::string_view text) {
   const Json whole = Parsed(text);
   std::vector<NamedArray> arrays;
   if (!whole.is_discarded()) {
-    Collect("", whole, 0, arrays);
+    arrays = IndexedTable(whole);
+    if (arrays.empty()) Collect("", whole, 0, arrays);
     return arrays;
   }
   RowCollector rows;

@@ -10,7 +10,8 @@
 namespace gauntlet::sim {
 namespace {
 
-constexpr std::string_view kTimes = "t ts time timestamp stamp elapsed elapsedtime xvalue";
+constexpr std::string_view kTimes =
+    "t ts time timestamp timestamps stamp elapsed elapsedtime xvalue";
 
 /// Names of a unit in the names of columns.
 struct TimeUnit {

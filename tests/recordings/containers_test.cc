@@ -23,6 +23,7 @@
 #include "sim/tables/file_format.h"
 #include "sim/tables/json_arrays.h"
 #include "sim/tables/text_lines.h"
+#include "sim/tables/time_columns.h"
 #include "tests/support/program.h"
 #include "tests/support/table_text.h"
 
@@ -330,6 +331,22 @@ TEST_F(Containers, Hdf5OfNetcdfHasTheUnitOfItsTimes) {
     add("index_mcp", "milliseconds");
   }
   EXPECT_THAT(TableOf(file), StartsWith("a_time_ms,b_time_us,c_time,d_time_ms,index_mcp\n"));
+}
+
+// pynwb 4.2.0 (PyPI): TimeSeries with a rate, or with timestamps. Wrong: a rate that is assumed.
+TEST_F(Containers, Hdf5OfNwbHasItsRateOrTimes) {
+  const fs::path file = Path("glove.nwb");
+  {
+    const H5::H5File output(file.string(), H5F_ACC_TRUNC);
+    const H5::Group series = output.createGroup("index_mcp");
+    AddNumbers(series, "data", {3});
+    const double rate_hz = 50.0;
+    AddNumbers(series, "starting_time", {1})
+        .createAttribute("rate", H5::PredType::NATIVE_DOUBLE, H5::DataSpace())
+        .write(H5::PredType::NATIVE_DOUBLE, &rate_hz);
+  }
+  EXPECT_EQ(TableOf(file), "time_s,index_mcp_data\n0,0\n0.02,1\n0.04,2\n");
+  EXPECT_EQ(TimeScaleS("timestamps"), 1.0);
 }
 
 TEST_F(Containers, Hdf5OfRecordsHasAColumnForEachMember) {

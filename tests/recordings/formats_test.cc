@@ -167,6 +167,20 @@ TEST(Json, OfEveryShapeIsATable) {
   EXPECT_EQ(table_of("{\"t\": 0, \"a\": 1}\n\n{\"t\": 1, \"a\": true}\n"), "t,a\n0,1\n1,1\n");
 }
 
+// to_json() of pandas 3.1.1, by default and with orient="index". Wrong: no array of two rows.
+TEST(Json, OfPandasIsATable) {
+  const auto table_of = [](const char* json) { return TableOf(ReadJsonArrays(json)); };
+  EXPECT_EQ(table_of(R"({"time":{"0":0.0,"1":0.01},"a":{"0":1,"1":null},"b":{"0":"x","1":"y"}})"),
+            "time,a\n0,1\n0.01,nan\n");
+  EXPECT_EQ(table_of(R"({"a":{"1764410400003":1,"1764410400013":2}})"),
+            "index,a\n1764410400003,1\n1764410400013,2\n");
+  EXPECT_EQ(table_of(R"({"0":{"time":0.0,"a":1},"1":{"time":0.01,"a":2}})"),
+            "time,a\n0,1\n0.01,2\n");
+  EXPECT_EQ(table_of(R"({"1970-01-01T00:00:01.500":{"a":1},"1970-01-01T00:00:02.000":{"a":2}})"),
+            "index,a\n1.5,1\n2,2\n");
+  EXPECT_EQ(table_of(R"({"1":{"a":[1,2]},"2":{"a":[3,4]}})"), "1_a,2_a\n1,3\n2,4\n");
+}
+
 TEST(Json, KeepsTheRowsOfHandsAndOfPersonsApart) {
   const auto table_of = [](const char* json) { return TableOf(ReadJsonArrays(json)); };
   EXPECT_EQ(table_of("{\"hand\": \"Right\", \"a\": 1}\n{\"hand\": \"left\", \"a\": 2}\n"
