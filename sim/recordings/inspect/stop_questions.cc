@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sim/base/channels.h"
+#include "sim/base/csv_line.h"
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
 #include "sim/recordings/column_scale.h"
@@ -138,6 +139,27 @@ std::string TextTimeQuestion(const Inspection& inspection, std::span<const RowGr
         "the time (column {}) is a text that is not understood: '{}'; write it in seconds, or give "
         "the rate to gauntlet inspect --rate HZ",
         c + 1, OneLine(inspection.layout.rows.front()[c], 30));
+  }
+  return "";
+}
+
+/// A sentence if an array of texts may be the time, is left out, and the rate would be assumed.
+std::string LeftOutTimeQuestion(const Inspection& inspection, std::span<const RowGroups>) {
+  constexpr std::string_view kBegin = "left out: ";
+  constexpr std::string_view kEnd = " (texts)";
+  if (inspection.rate_is_known || inspection.has_time) return "";
+  for (const std::string& remark : inspection.remarks) {
+    if (!remark.starts_with(kBegin) || !remark.ends_with(kEnd)) continue;
+    const std::string_view all =
+        std::string_view(remark).substr(kBegin.size(), remark.size() - kBegin.size() - kEnd.size());
+    for (const std::string_view cell : SplitCells(all, ',')) {
+      const std::string name(Trimmed(cell));
+      if (!TimeScaleS(name) && !HasWordOf(WordsOf(name), "time timestamp datetime")) continue;
+      return fmt::format(
+          "the time ({}) is an array of texts, which is not read; write it in seconds, or give the "
+          "rate to gauntlet inspect --rate HZ",
+          OneLine(name, 30));
+    }
   }
   return "";
 }
@@ -369,6 +391,7 @@ constexpr StopRule kStopRules[] = {
     {LongHeaderQuestion, Remedy::kInSentence},
     {OwnClocksQuestion, Remedy::kMap},
     {TextTimeQuestion, Remedy::kInSentence},
+    {LeftOutTimeQuestion, Remedy::kInSentence},
     {TimeUnitQuestion, Remedy::kInSentence},
     {ClockQuestion, Remedy::kMap},
     {RangeQuestion, Remedy::kPresetOrMap},
