@@ -12,6 +12,7 @@
 
 #include "controller/number.h"
 #include "sim/base/json.h"
+#include "sim/trial/link/receiver_config.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -260,10 +261,16 @@ std::string AdviceText(const LiveFacts& facts, const LiveContext& context) {
   const std::string gain = Ms(facts.stages[static_cast<std::size_t>(largest)].mean_us());
   switch (largest) {
     case Stage::kReceiver:
+      if (context.receiver.empty() || context.receiver == NewestReceiver::kKind) {
+        return fmt::format(
+            "Advice: samples wait {} ms for their time by glove.rate_hz, {:.4g} a second; a glove "
+            "that sends more often, or at equal intervals, gains up to that.",
+            gain, context.timing.sample_rate_hz());
+      }
       return fmt::format(
           "Advice: the receiver costs {} ms ({}); link.glove.receiver.kind=newest "
           "has no buffer and no queue.",
-          gain, context.receiver.empty() ? "newest" : context.receiver);
+          gain, context.receiver);
     case Stage::kHeld:
       return fmt::format(
           "Advice: samples came too seldom for the command frames, or the glove fell silent: {} "
@@ -418,6 +425,12 @@ ResultTable ShadowTable(const std::vector<ShadowScore>& scores) {
   return table;
 }
 
+/// A score in a sentence. A short session has no value of some.
+std::string With(std::string_view noun, double value, std::string_view unit) {
+  return std::isnan(value) ? fmt::format("without a value of the {}", noun)
+                           : fmt::format("with {} {:.3g} {}", noun, value, unit);
+}
+
 }  // namespace
 
 ResultText ShadowText(const std::vector<ShadowScore>& scores, const std::string& reference) {
@@ -425,17 +438,16 @@ ResultText ShadowText(const std::vector<ShadowScore>& scores, const std::string&
     const double error_deg = score.tracking_rmse_deg;
     return std::isnan(error_deg) ? std::numeric_limits<double>::infinity() : error_deg;
   });
-  // A session of less than a second has no jitter.
-  const std::string jitter = std::isnan(best->jitter_rms_deg)
-                                 ? "without a value of the jitter"
-                                 : fmt::format("with jitter {:.3g} deg RMS", best->jitter_rms_deg);
   ResultText text;
   text.emplace_back(fmt::format(
       "Controllers on the same samples, by the angles that they ask of the joints; reference: {}. "
-      "{} "
-      "has the lowest tracking error, {:.3g} deg RMS, {} and with delay {:.3g} "
-      "ms. One session gives no confidence interval: gauntlet compare on the recording does.",
-      reference, best->name, best->tracking_rmse_deg, jitter, best->delay_ms));
+      "{} One session gives no confidence interval: gauntlet compare on the recording does.",
+      reference,
+      std::isnan(best->tracking_rmse_deg)
+          ? "No controller has a tracking error: too little of the session counts."
+          : fmt::format("{} has the lowest tracking error, {:.3g} deg RMS, {} and {}.", best->name,
+                        best->tracking_rmse_deg, With("jitter", best->jitter_rms_deg, "deg RMS"),
+                        With("delay", best->delay_ms, "ms"))));
   text.emplace_back(ShadowTable(scores));
   return text;
 }
