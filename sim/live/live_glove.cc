@@ -29,7 +29,7 @@ namespace {
 /// A simulated glove, whose samples are captured at the nominal times of the ticks.
 class SimulatedGlove final : public LiveGlove {
  public:
-  explicit SimulatedGlove(std::shared_ptr<const GloveSignal> glove);
+  explicit SimulatedGlove(const LiveSetup& setup);
 
   bool WaitForFirst() override { return true; }
   std::vector<double> FirstAngles_rad() const override;
@@ -41,20 +41,20 @@ class SimulatedGlove final : public LiveGlove {
   std::optional<SampleTimes> TimesOf(const LiveTick& tick, const HandLoop& loop,
                                      std::int64_t before) const noexcept override;
 
+  const TrialSetup& trial_;
   std::shared_ptr<const GloveSignal> glove_;
   std::vector<double> counts_;
   Eigen::Index recorded_ = 0;  // samples
 };
 
-SimulatedGlove::SimulatedGlove(std::shared_ptr<const GloveSignal> glove)
-    : glove_(std::move(glove)), counts_(static_cast<std::size_t>(glove_->counts.cols())) {}
+SimulatedGlove::SimulatedGlove(const LiveSetup& setup)
+    : trial_(setup.trial),
+      glove_(setup.simulated_glove),
+      counts_(static_cast<std::size_t>(glove_->counts.cols())) {}
 
 std::vector<double> SimulatedGlove::FirstAngles_rad() const {
-  std::vector<double> angles_rad;
-  for (Eigen::Index c = 0; c < glove_->true_angle_rad.cols(); ++c) {
-    angles_rad.push_back(glove_->true_angle_rad(0, c));
-  }
-  return angles_rad;
+  const Signal angle_rad = FirstAngles(trial_, *glove_);
+  return {angle_rad.data(), angle_rad.data() + angle_rad.size()};
 }
 
 bool SimulatedGlove::HasEnded(std::int64_t tick) const noexcept {
@@ -415,7 +415,7 @@ std::span<const std::int32_t> LiveGlove::StepController(const LiveTick& tick,
 }
 
 std::unique_ptr<LiveGlove> MakeLiveGlove(const LiveSetup& setup) {
-  if (setup.simulated_glove) return std::make_unique<SimulatedGlove>(setup.simulated_glove);
+  if (setup.simulated_glove) return std::make_unique<SimulatedGlove>(setup);
   return std::make_unique<DeviceGlove>(setup);
 }
 

@@ -24,10 +24,9 @@ void StepLoop(const GloveSignal& glove, Eigen::Index tick, std::vector<double>& 
   loop.Step({.counts = counts});
 }
 
-/// The posture that a hand has which already follows: what the controller takes the glove's first
-/// samples for. The wearer's own would be an advantage for a filter that keeps it still.
-Signal FirstPosture(const TrialSetup& setup, const GloveSignal& glove,
-                    const controller::JointMap& joint_map) {
+}  // namespace
+
+Signal FirstAngles(const TrialSetup& setup, const GloveSignal& glove) {
   constexpr double kFirst_s = 0.1;
   const auto samples =
       std::clamp<Eigen::Index>(std::lround(kFirst_s * glove.rate_hz), 1, glove.counts.rows());
@@ -44,10 +43,8 @@ Signal FirstPosture(const TrialSetup& setup, const GloveSignal& glove,
       ->ToAngles({counts.data(), static_cast<std::size_t>(counts.size())},
                  {angle_rad.data(), static_cast<std::size_t>(angle_rad.size())});
   angle_rad = angle_rad.array().isFinite().select(angle_rad, glove.true_angle_rad.topRows(1));
-  return JointAngles(joint_map, angle_rad);
+  return angle_rad;
 }
-
-}  // namespace
 
 Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove, const TrialOptions& options) {
   GAUNTLET_ASSERT(glove.true_angle_rad.rows() > 0);
@@ -56,7 +53,7 @@ Trace RunTrial(const TrialSetup& setup, const GloveSignal& glove, const TrialOpt
   HandLoop loop(programs.config(), setup.calibration, setup.joint_map, setup.hand, setup.links);
   const controller::JointMap joint_map(setup.joint_map, glove.channel_names,
                                        setup.hand->transmission());
-  const Signal start = FirstPosture(setup, glove, joint_map).transpose();
+  const Signal start = JointAngles(joint_map, FirstAngles(setup, glove)).transpose();
   loop.Reset({start.data(), static_cast<std::size_t>(start.size())});
 
   Trace trace;

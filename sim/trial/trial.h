@@ -27,8 +27,13 @@ struct TrialOptions {
   std::vector<std::string_view> signals = {};  // to record, of ForEachSignal(); none named: all
 };
 
+/// The angles that the controller takes the glove's first samples for: a hand that already follows
+/// begins in their posture. The wearer's own would be an advantage for a filter that keeps it still.
+/// Shape: 1 x channels. Units: rad.
+Signal FirstAngles(const TrialSetup& setup, const GloveSignal& glove);
+
 /// The one loop in which simulated time advances: glove sample -> controller -> event -> hand. It
-/// begins in the posture that the wearer's first angles ask for. Deterministic: same arguments,
+/// begins in the posture of FirstAngles(). Deterministic: same arguments,
 /// same bytes; what is recorded changes none of them. A filter that is a program or an object and
 /// fails ends the trial as a hand does that diverges. Errors: SettingError, as of TrialPrograms;
 /// std::invalid_argument for a signal that there is not (the caller's mistake).
