@@ -42,6 +42,29 @@ TEST(DeviceAddress, IsReadInAllItsForms) {
   EXPECT_EQ(source("serial:/dev/ttyACM0").baud, 115200);
 }
 
+TEST(DeviceAddress, HasNothingOfAnotherForm) {
+  for (const std::string text : {"stdin", "file:glove.csv"}) {
+    const DeviceAddress address = ParseDeviceAddress(text, DeviceRole::kSource);
+    EXPECT_EQ(address.port, 0) << text;
+    EXPECT_EQ(address.host + address.osc_address, "") << text;
+    EXPECT_EQ(address.format, FrameFormat::kDetect) << text;
+    EXPECT_EQ(address.dtr, DeviceAddress::Dtr::kAsFound) << text;
+    EXPECT_EQ(address.baud, 115200) << text;
+  }
+}
+
+TEST(DeviceAddress, ReachesTheEndsOfItsRanges) {
+  const auto source = [](const std::string& text) {
+    return ParseDeviceAddress(text, DeviceRole::kSource);
+  };
+  EXPECT_EQ(source("udp:127.0.0.1:1").port, 1);
+  EXPECT_EQ(source("osc:65535").port, 65535);
+  EXPECT_EQ(source("serial:/dev/x@1").baud, 1);
+  EXPECT_EQ(source("serial:/dev/x@10000000").baud, 10'000'000);
+  EXPECT_THROW(source("serial:/dev/x@0"), UserError);
+  EXPECT_THROW(source("serial:/dev/x@10000001"), UserError);
+}
+
 TEST(DeviceAddress, ThatIsWrongIsRefusedWithWhatIsPossible) {
   const std::vector<std::pair<std::string, std::string>> sources = {
       {"", "is no source of frames: stdin, file:PATH"},

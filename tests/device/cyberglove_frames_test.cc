@@ -1,5 +1,6 @@
 #include "sim/live/device/cyberglove_frames.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -47,6 +48,36 @@ TEST(CybergloveFrames, AreLeftOutIfABytesIsLost) {
     for (const KeptFrame& frame : made.frames) EXPECT_EQ(frame.values[0], 100.0) << lost;
     EXPECT_GE(made.decoder->counts().half_frames + made.decoder->counts().garbage, 2u);
   }
+}
+
+TEST(CybergloveFrames, OfNoGloveAreLeftOutByTheirSize) {
+  for (int bytes = 0; bytes <= 40; ++bytes) {
+    Decoded made(FrameFormat::kCyberglove, ByteFlow::kCutStream);
+    const std::string frame = "G" + std::string(static_cast<std::size_t>(bytes), 'x') + '\0';
+    made.Decode(frame).Decode(frame).Decode("x");
+    const bool is_glove = bytes == 18 || bytes == 19 || bytes == 22 || bytes == 23;
+    EXPECT_EQ(made.frames.size(), is_glove ? 1u : 0u) << bytes;
+    if (is_glove) continue;
+    // What is longer than any frame lost no bytes.
+    EXPECT_EQ(made.decoder->counts().half_frames, bytes < 22 ? 2u : 0u) << bytes;
+    EXPECT_EQ(made.decoder->counts().garbage, bytes < 22 ? 0u : 2u) << bytes;
+    EXPECT_EQ(made.decoder->problem(), fmt::format("a frame has {} bytes", bytes + 1));
+    made.decoder->Restart();
+    EXPECT_EQ(made.decoder->counts().half_frames, bytes < 22 ? 3u : 1u) << bytes;
+  }
+  for (const std::size_t bytes : {256u, 257u}) {
+    Decoded made(FrameFormat::kCyberglove, ByteFlow::kCutStream);
+    made.Decode(std::string(bytes, 'x'));
+    EXPECT_EQ(made.decoder->counts().garbage, bytes == 257 ? 1u : 0u);
+  }
+}
+
+TEST(CybergloveFrames, OfAnotherGloveAreHalfOnes) {
+  Decoded made(FrameFormat::kCyberglove, ByteFlow::kCutStream);
+  for (const int sensors : {18, 18, 22, 18}) made.Decode(GloveFrame('G', sensors, 9));
+  EXPECT_EQ(made.frames.size(), 2u);
+  EXPECT_EQ(made.decoder->counts().half_frames, 1u);
+  EXPECT_EQ(made.decoder->problem(), "a frame has 22 bytes, the first ones 18");
 }
 
 TEST(CybergloveFrames, AreAskedForOneByOne) {

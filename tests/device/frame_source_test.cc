@@ -1,10 +1,12 @@
 #include "sim/live/device/frame_source.h"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <array>
@@ -94,7 +96,11 @@ TEST(UdpSource, ReceivesTheFramesOfAnotherProgram) {
     const std::vector<KeptFrame> frames = Receive(*source, 10);
     sender.join();
     ASSERT_EQ(frames.size(), 10u) << form;
-    EXPECT_EQ(source->counts().garbage + source->counts().half_frames, 0u) << form;
+    const SourceCounts counts = source->counts();
+    EXPECT_EQ(counts.frames, 10u) << form;
+    EXPECT_GT(counts.bytes, 100u) << form;
+    EXPECT_EQ(counts.garbage + counts.half_frames + counts.foreign, 0u) << form;
+    EXPECT_EQ(counts.overflowed + counts.reopened, 0u) << form;
     const std::vector<std::string>& names = source->columns().names;
     ASSERT_GE(names.size(), 2u) << form;
     if (form == "osc" || form == "bundle") {
@@ -181,6 +187,25 @@ TEST(UdpSource, SaysWhyAPortIsNotOpened) {
   EXPECT_THAT(source->AdviceWithoutFrames(), HasSubstr("5 bytes arrived, and none is a frame"));
 }
 
+TEST(UdpSource, AdvisesWhatToTryWithoutFrames) {
+  const int port = FreePort();
+  const std::string address = fmt::format("udp:127.0.0.1:{}", port);
+  const auto source = Open(address);
+  EXPECT_EQ(source->AdviceWithoutFrames(),
+            fmt::format("nothing arrives: does the sender send to this machine, port {}, and does "
+                        "a firewall let it in? 0.0.0.0 as host takes packets from other machines",
+                        port));
+  const Sender sender(port);
+  for (const char* packet : {"hello, hello", "; is there nobody?"}) {
+    sender.Send(packet);
+    source->Wait(kLongest, [](const DeviceFrame&) {});
+  }
+  EXPECT_EQ(source->AdviceWithoutFrames(),
+            fmt::format("29 bytes arrived, and none is a frame; they begin with 'hello, hello; is "
+                        "there n'; try a format behind a comma, as {},csv",
+                        address));
+}
+
 // --- Serial lines --------------------------------------------------------------------------------
 
 class SerialSource : public testing::Test {
@@ -263,6 +288,28 @@ TEST_F(SerialSource, AdvisesAnotherBaudRateForBytesThatAreNoFrames) {
   EXPECT_THAT(source->AdviceWithoutFrames(), HasSubstr("try another baud rate behind @"));
 }
 
+TEST_F(SerialSource, TakesEachRateOfSerialLines) {
+  const int far = open(glove_.link().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  for (const auto& [baud, speed] : std::vector<std::pair<int, speed_t>>{
+           {300, B300},         {600, B600},         {1200, B1200},       {1800, B1800},
+           {2400, B2400},       {4800, B4800},       {9600, B9600},       {19200, B19200},
+           {38400, B38400},     {57600, B57600},     {115200, B115200},   {230400, B230400},
+           {460800, B460800},   {500000, B500000},   {576000, B576000},   {921600, B921600},
+           {1000000, B1000000}, {1152000, B1152000}, {1500000, B1500000}, {2000000, B2000000},
+           {2500000, B2500000}, {3000000, B3000000}, {3500000, B3500000}, {4000000, B4000000}}) {
+    const auto source = Open(fmt::format("serial:{}@{}", glove_.link().string(), baud));
+    termios line{};
+    ASSERT_EQ(tcgetattr(far, &line), 0);
+    EXPECT_EQ(cfgetispeed(&line), speed) << baud;
+    EXPECT_EQ(cfgetospeed(&line), speed) << baud;
+    EXPECT_EQ(line.c_lflag & (ICANON | ECHO), 0u) << "raw";
+    EXPECT_EQ(line.c_cflag & (CSIZE | PARENB | CSTOPB | CLOCAL | CREAD),
+              static_cast<tcflag_t>(CS8 | CLOCAL | CREAD))
+        << "8 data bits, no parity, 1 stop bit";
+  }
+  close(far);
+}
+
 // --- Files and standard input --------------------------------------------------------------------
 
 TEST(FileSource, PlaysRowsAtTheirTimes) {
@@ -280,6 +327,42 @@ TEST(FileSource, PlaysRowsAtTheirTimes) {
   EXPECT_EQ(frames[2].sender_time_ns, 125'000'000);
   EXPECT_EQ(source->columns().names[1], "index");
   EXPECT_EQ(source->Wait(milliseconds(0), [](const DeviceFrame&) {}), State::kEnded);
+}
+
+/// A time that is missing, stands still, goes back or jumps by ten seconds is due with the row
+/// before it, and the times behind it count from there.
+TEST(FileSource, PassesOverTimesThatAreNone) {
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path file = folder.path() / "glove.csv";
+  std::ofstream(file) << "time_s,index\n5.00,1\n5.01,2\n,3\n5.02,4\n5.02,5\n4.00,6\n4.01,7\n"
+                         "14.01,8\n14.02,9\n";
+  const auto source = Open("file:" + file.string());
+  const std::vector<KeptFrame> frames = Receive(*source, 10);
+  std::vector<double> due_ms;
+  for (const KeptFrame& frame : frames) {
+    due_ms.push_back(1e-6 * static_cast<double>(frame.arrival_ns - frames[0].arrival_ns));
+  }
+  EXPECT_THAT(due_ms, testing::Pointwise(testing::DoubleNear(1e-3),
+                                         {0.0, 10.0, 10.0, 20.0, 20.0, 20.0, 30.0, 30.0, 40.0}));
+  EXPECT_EQ(source->counts().frames, 9u);
+}
+
+TEST(FileSource, GivesAThousandRowsAtOnceWithoutTheirTimes) {
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path file = folder.path() / "glove.csv";
+  std::ofstream text(file);
+  text << "index,thumb\n";
+  for (int row = 0; row < 2500; ++row) text << row << ",1\n";
+  text.close();
+  const auto source = OpenFrameSource(
+      ParseDeviceAddress("file:" + file.string(), DeviceRole::kSource), {.is_paced = false});
+  std::vector<KeptFrame> frames;
+  EXPECT_EQ(source->Wait(milliseconds(0), Into(frames)), State::kOpen);
+  EXPECT_EQ(frames.size(), 1000u);
+  EXPECT_EQ(source->Wait(milliseconds(0), Into(frames)), State::kOpen);
+  EXPECT_EQ(source->Wait(milliseconds(0), Into(frames)), State::kEnded);
+  EXPECT_EQ(frames.size(), 2500u);
+  EXPECT_EQ(source->Wait(milliseconds(0), Into(frames)), State::kEnded);
 }
 
 TEST(FileSource, NeedsARateWithoutTimes) {
@@ -311,6 +394,22 @@ TEST(StandardInputSource, EndsWithItsPipe) {
   dup2(before, STDIN_FILENO);
   close(before);
   close(pipe[0]);
+}
+
+// Wrong: it waits for ever.
+TEST(StandardInputSource, EndsWhereItCannotBeRead) {
+  const int before = dup(STDIN_FILENO);
+  const int folder = open("/", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  dup2(folder, STDIN_FILENO);
+  const auto source = Open("stdin");
+  EXPECT_EQ(source->Wait(kLongest, [](const DeviceFrame&) {}), State::kEnded);
+  EXPECT_EQ(source->problem(), "Is a directory");
+  EXPECT_EQ(source->AdviceWithoutFrames(),
+            "nothing arrives: does the program on the left of the pipe write at once (stdbuf "
+            "-oL)?");
+  dup2(before, STDIN_FILENO);
+  close(before);
+  close(folder);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "sim/live/device/sender_clock.h"
 #include "tests/device/decoder_support.h"
 
 namespace gauntlet::sim {
@@ -205,6 +206,34 @@ TEST(TextFrames, FindTheUnitOfATimeWithoutUnit) {
   file.Decode("t,flex\n");
   for (int i = 0; i < 1000; ++i) file.Decode(fmt::format("{},{}\n", 0.02 * i, i));
   EXPECT_FALSE(file.frames.back().sender_time_ns);
+}
+
+/// Two readings of half a second or more, and of five seconds at most, whose ratio is within 1.25.
+TEST(SenderClock, NeedsTwoTimesThatAreNeitherNearNorFar) {
+  struct Case {
+    double arrival_s;
+    double sent_s;
+    bool is_found;
+  };
+  for (const Case& is : {Case{0.49, 0.49, false},
+                         {0.5, 0.5, true},
+                         {5.0, 5.0, true},
+                         {5.01, 5.01, false},
+                         {1.0, 1.24, true},
+                         {1.0, 1.26, false},
+                         {1.0, 0.81, true},
+                         {1.0, 0.79, false},
+                         {1.0, -1.0, false}}) {
+    for (const double scale_s : {1.0, 1e-3, 1e-6, 1e-9}) {
+      SenderClock clock;
+      EXPECT_FALSE(clock.Add(7.0 / scale_s, 1'000'000'000));
+      EXPECT_FALSE(clock.Add(NAN, 1'500'000'000));
+      const auto found =
+          clock.Add((7.0 + is.sent_s) / scale_s, 1'000'000'000 + std::llround(1e9 * is.arrival_s));
+      EXPECT_EQ(found.has_value(), is.is_found) << is.arrival_s << " " << is.sent_s;
+      EXPECT_EQ(found.value_or(scale_s), scale_s);
+    }
+  }
 }
 
 TEST(TextFrames, KeepNothingOfALineWithoutEnd) {
