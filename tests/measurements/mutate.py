@@ -43,6 +43,8 @@ FOLDERS = {
     "comparison": ("sim/answers/compare", (), ("comparison_test", "study_test")),
     "study": ("sim/study", (), ("study_test", "comparison_test")),
     "sweep": ("sim/answers/sweep", (), ("sweep_test",)),
+    "tune": ("sim/answers/tune", (), ("search_test",)),
+    "robust": ("sim/answers/robust", (), ("robust_test",)),
 }
 SWAPS = {
     "comparison": {" < ": (" <= ",), " <= ": (" < ",), " > ": (" >= ",), " >= ": (" > ",),
