@@ -180,6 +180,8 @@ TEST(UdpSource, SaysWhyAPortIsNotOpened) {
               HasSubstr("is no address of this machine: 127.0.0.1 takes"));
   EXPECT_THAT(ProblemOf([&] { Open("udp:no.host.invalid:9000"); }),
               HasSubstr("the host no.host.invalid is not found"));
+  EXPECT_THAT(ProblemOf([] { Open("udp:[fe80::1]:9000"); }),
+              testing::Not(HasSubstr("reserved")));  // of no link
   source->Wait(milliseconds(1), [](const DeviceFrame&) {});
   EXPECT_THAT(source->AdviceWithoutFrames(), HasSubstr("nothing arrives"));
   Sender(port).Send("hello");
@@ -201,7 +203,7 @@ TEST(UdpSource, AdvisesWhatToTryWithoutFrames) {
     source->Wait(kLongest, [](const DeviceFrame&) {});
   }
   EXPECT_EQ(source->AdviceWithoutFrames(),
-            fmt::format("29 bytes arrived, and none is a frame; they begin with 'hello, hello; is "
+            fmt::format("30 bytes arrived, and none is a frame; they begin with 'hello, hello; is "
                         "there n'; try a format behind a comma, as {},csv",
                         address));
 }
@@ -327,6 +329,25 @@ TEST(FileSource, PlaysRowsAtTheirTimes) {
   EXPECT_EQ(frames[2].sender_time_ns, 125'000'000);
   EXPECT_EQ(source->columns().names[1], "index");
   EXPECT_EQ(source->Wait(milliseconds(0), [](const DeviceFrame&) {}), State::kEnded);
+}
+
+// Wrong: it looks again and again until a row is due.
+TEST(FileSource, SleepsUntilARowIsDueOrTheTimeIsOver) {
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path file = folder.path() / "glove.csv";
+  std::ofstream(file) << "time_s,index\n0,5\n0.1,6\n0.2,7\n";
+  const auto source = Open("file:" + file.string());
+  std::vector<KeptFrame> frames;
+  source->Wait(kLongest, Into(frames));
+  EXPECT_EQ(frames.size(), 1u);
+  const std::int64_t begin_ns = MonotonicNow_ns();
+  EXPECT_EQ(source->Wait(milliseconds(1), Into(frames)), State::kOpen);
+  EXPECT_GE(MonotonicNow_ns() - begin_ns, 1'000'000);
+  for (std::size_t i = 2; i <= 3 && frames.size() < 3; ++i) {
+    source->Wait(kLongest, Into(frames));
+    EXPECT_GE(frames.size(), i);
+    EXPECT_GE(MonotonicNow_ns(), frames.back().arrival_ns);
+  }
 }
 
 /// A time that is missing, stands still, goes back or jumps by ten seconds is due with the row

@@ -60,6 +60,25 @@ TEST(OscPacket, HasAllTypesOfNumbers) {
   EXPECT_TRUE(std::isnan(numbers[6]));
 }
 
+/// A character, a colour, a MIDI message, texts and a list have no number, and the size of theirs.
+TEST(OscPacket, PassesOverWhatIsNoNumber) {
+  const std::string bytes = std::string("/a\0\0,crmsS[i]I\0\0\0", 18) + std::string(2, '\0') +
+                            std::string("\0\0\0aRGBAmidiab\0\0abcd\0\0\0\0\0\0\0\7", 28);
+  const auto packet = ReadOscPacket(bytes);
+  ASSERT_TRUE(packet);
+  EXPECT_THAT(packet->messages[0].numbers, ElementsAre(7.0));
+  EXPECT_FALSE(ReadOscPacket(std::string("/a\0\0,?\0\0", 8)));
+}
+
+TEST(OscPacket, HasBundlesInBundlesUpToEight) {
+  std::string bytes("/a\0\0,i\0\0\0\0\0\7", 12);
+  for (int depth = 1; depth <= 9; ++depth) {
+    bytes = std::string("#bundle\0\0\0\0\0\0\0\0\1\0\0\0", 19) + static_cast<char>(bytes.size()) +
+            bytes;
+    EXPECT_EQ(ReadOscPacket(bytes).has_value(), depth <= 8) << depth;
+  }
+}
+
 TEST(OscPacket, MayLeaveOutTheTypesOfNoArguments) {
   const auto packet = ReadOscPacket({"/a\0\0", 4});
   ASSERT_TRUE(packet);

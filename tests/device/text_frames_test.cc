@@ -245,6 +245,27 @@ TEST(TextFrames, KeepNothingOfALineWithoutEnd) {
   EXPECT_EQ(made.decoder->counts().garbage, 1u);
 }
 
+TEST(TextFrames, AreAtMost65536BytesLong) {
+  Decoded made = Stream();
+  made.Decode("1,2\n3,4\n");
+  for (const std::size_t size : {65536u, 65537u}) {
+    made.Decode("5,6" + std::string(size - 3, ' ') + "\n7,8\n");
+  }
+  EXPECT_EQ(made.Values(), (Rows{{1, 2}, {3, 4}, {5, 6}, {7, 8}, {7, 8}}));
+  EXPECT_EQ(made.decoder->problem(), "a line is longer than 65536 bytes");
+}
+
+TEST(TextFrames, HaveAHeadOfUpTo40Lines) {
+  for (const int lines : {40, 41}) {
+    Decoded made = Stream();
+    for (int i = 0; i < lines; ++i) made.Decode("boot " + std::string(i + 1, 'x') + "\n");
+    EXPECT_EQ(made.decoder->counts().garbage, lines == 41 ? 1u : 0u);
+    made.Decode("1,2\n3,4\n");
+    EXPECT_EQ(made.Values(), (Rows{{1, 2}, {3, 4}}));
+    EXPECT_EQ(made.decoder->counts().garbage, static_cast<std::uint64_t>(lines));
+  }
+}
+
 TEST(TextFrames, OfAChosenFormatAreNotOfAnother) {
   EXPECT_THAT(Stream(FrameFormat::kLabels).Decode("1,2\n3,4\n5,6\n7,8\n").Values(), IsEmpty());
   EXPECT_THAT(Stream(FrameFormat::kCsv).Decode("[1,2]\n[3,4]\n[5,6]\n").Values(), IsEmpty());
