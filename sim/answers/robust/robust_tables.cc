@@ -245,12 +245,12 @@ ResultText RobustText(const RobustPlan& plan, const RobustResult& result, bool v
   text.emplace_back(HandsTable(result));
   AddLine(HandsText(plan) + ".", text);
   if (result.not_built > 0) {
-    AddLine(fmt::format("Warning: {} hands could not be built.", result.not_built), text);
+    AddLine(fmt::format("Warning: {} could not be built.", Counted(result.not_built, "hand")),
+            text);
   }
   if (result.failed > 0) {
-    AddLine(fmt::format("Warning: {} simulations failed; their controller does not count as best "
-                        "there.",
-                        result.failed),
+    AddLine(fmt::format("Warning: {} failed; their controller does not count as best there.",
+                        Counted(result.failed, "simulation")),
             text);
   }
   AddLine(result.first_problem, text);
