@@ -76,16 +76,17 @@ TEST(DeviceAddress, ThatIsWrongIsRefusedWithWhatIsPossible) {
       {"udp:9000", "has no host"},
       {"udp::9000", "the host is empty"},
       {"udp:127.0.0.1:", "the port is missing, must be 1 to 65535"},
-      {"udp:127.0.0.1:0", "must be 1 to 65535"},
-      {"udp:127.0.0.1:65536", "must be 1 to 65535"},
+      {"udp:127.0.0.1:0", "the port is 0, must be 1 to 65535"},
+      {"udp:127.0.0.1:65536", "the port is 65536, must be 1 to 65535"},
+      {"udp:127.0.0.1:9000,bianry", "bianry is not a word of this address"},
       {"udp:127.0.0.1:9000,bianry", "did you mean binary?"},
       {"udp:127.0.0.1:9000,", "is not a word of this address"},
-      {"udp:127.0.0.1:9000,dtr", "is not a word of this address"},
+      {"udp:127.0.0.1:9000,dtr", "dtr is not a word of this address"},
       {"osc:/glove", "the port is missing"},
       {"osc:9000/gl ove", "an OSC address contains none of"},
       {"osc:9000/*/x", "an OSC address contains none of"},
       {"serial:", "has no device"},
-      {"serial:/dev/ttyUSB0@fast", "is no baud rate"},
+      {"serial:/dev/ttyUSB0@fast", "fast is no baud rate"},
   };
   for (const auto& [text, problem] : sources) {
     try {

@@ -1,8 +1,11 @@
 #include "sim/live/device/frame_sink.h"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <array>
@@ -11,6 +14,7 @@
 #include <csignal>
 #include <cstdio>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/base/csv_line.h"
@@ -70,6 +74,49 @@ TEST(FrameSink, OverUdpSendsWhatASourceReads) {
             << format;
       }
     }
+  }
+}
+
+/// The bytes of each format, as docs/reference/live-formats.md has them.
+TEST(FrameSink, SendsTheNamesWithTheFirstFrameAndEachSecond) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> packets = {
+      {"csv",
+       {"frame,time_s,a,b\n", "7,1.000000014,519,\n", "8,1.000000015,520,\n", "frame,time_s,a,b\n",
+        "9,1.000000016,521,\n"}},
+      {"labels", {"a:519 b:nan\n", "a:520 b:nan\n", "a:521 b:nan\n"}},
+      {"json",
+       {R"({"frame":7,"time_s":1.000000014,"a":519.0,"b":null})"
+        "\n",
+        R"({"frame":8,"time_s":1.000000015,"a":520.0,"b":null})"
+        "\n",
+        R"({"frame":9,"time_s":1.000000016,"a":521.0,"b":null})"
+        "\n"}}};
+  for (const auto& [format, expected] : packets) {
+    const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_in at{};
+    at.sin_family = AF_INET;
+    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof at;
+    ASSERT_EQ(bind(socket, reinterpret_cast<const sockaddr*>(&at), size), 0);
+    getsockname(socket, reinterpret_cast<sockaddr*>(&at), &size);
+    const std::string address = fmt::format("udp:127.0.0.1:{},{}", ntohs(at.sin_port), format);
+    const auto sink = Open(address, {"a", "b"});
+    SendNumber(*sink, 7);
+    SendNumber(*sink, 8);
+    usleep(1'010'000);
+    SendNumber(*sink, 9);
+    std::vector<std::string> got;
+    std::array<char, 256> packet;
+    ssize_t bytes = 0;
+    while ((bytes = recv(socket, packet.data(), packet.size(), MSG_DONTWAIT)) >= 0) {
+      got.emplace_back(packet.data(), static_cast<std::size_t>(bytes));
+    }
+    EXPECT_EQ(got, expected) << format;
+    EXPECT_EQ(sink->counts().frames, 3u);
+    EXPECT_EQ(sink->counts().bytes, 3 * expected[1].size());
+    EXPECT_EQ(sink->counts().dropped + sink->counts().failed, 0u);
+    EXPECT_EQ(sink->Description(), address);
+    close(socket);
   }
 }
 
@@ -166,6 +213,12 @@ TEST(FrameSink, OverASerialLineComesBackWithTheDevice) {
   hand.Unplug();
   EXPECT_EQ(SendNumber(*sink, 2), Result::kGone);
   EXPECT_EQ(SendNumber(*sink, 3), Result::kGone);
+  EXPECT_EQ(sink->counts().failed, 2u);
+  EXPECT_EQ(sink->counts().bytes, 19u);
+  // A device is looked for five times a second.
+  usleep(250'000);
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(SendNumber(*sink, 3), Result::kGone);
   hand.Plug();
   Result result = Result::kGone;
   for (int i = 0; i < 100 && result != Result::kSent; ++i) {
@@ -173,6 +226,7 @@ TEST(FrameSink, OverASerialLineComesBackWithTheDevice) {
     result = SendNumber(*sink, 4);
   }
   EXPECT_EQ(result, Result::kSent);
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(200));
   EXPECT_EQ(hand.Read(1000, 36), "frame,time_s,a,b\n4,1.000000011,516,\n");
 }
 

@@ -168,6 +168,8 @@ TEST(UdpSource, PassesOnRepeatedAndReorderedFramesAndCountsTheRest) {
   EXPECT_EQ(source->counts().half_frames, 1u + 1u) << "6,15 and, of one value, the garbage";
   EXPECT_EQ(source->counts().garbage, 1u);
   EXPECT_EQ(source->counts().frames, 7u);
+  EXPECT_EQ(source->counts().bytes, 82u);
+  EXPECT_EQ(source->Description(), fmt::format("udp:127.0.0.1:{}, csv", port));
 }
 
 TEST(UdpSource, SaysWhyAPortIsNotOpened) {
@@ -226,6 +228,7 @@ TEST_F(SerialSource, LeavesOutBootMessagesAndWhatWasCut) {
   for (const KeptFrame& frame : Receive(*source, 4)) values.push_back(frame.values);
   EXPECT_EQ(values, (Rows{{512, 300}, {511, 301}, {510, 302}, {509, 303}}));
   EXPECT_EQ(source->counts().garbage, 2u);
+  EXPECT_EQ(source->counts().bytes, 56u) << "without those from before";
   EXPECT_THAT(source->Description(), HasSubstr(", csv, low latency is not available"));
 }
 
@@ -239,6 +242,10 @@ TEST_F(SerialSource, SurvivesADeviceThatVanishesAndComesBack) {
     source->Wait(milliseconds(20), [](const DeviceFrame&) { FAIL() << "a frame of parts"; });
     glove_.Unplug();
     EXPECT_TRUE(Receive(*source, 1, State::kGone).empty());
+    const auto gone = std::chrono::steady_clock::now();
+    EXPECT_EQ(source->Wait(milliseconds(50), [](const DeviceFrame&) {}), State::kGone);
+    EXPECT_GE(std::chrono::steady_clock::now() - gone, milliseconds(50))
+        << "it waits for all of it";
     EXPECT_EQ(source->Wait(milliseconds(1), [](const DeviceFrame&) {}), State::kGone);
     EXPECT_FALSE(source->problem().empty());
     glove_.Plug();
@@ -412,6 +419,9 @@ TEST(StandardInputSource, EndsWithItsPipe) {
   EXPECT_EQ(source->Wait(kLongest, Into(frames)), State::kEnded);
   EXPECT_EQ(frames.size(), 2u);
   EXPECT_EQ(source->counts().half_frames, 1u);
+  EXPECT_EQ(source->counts().bytes, text.size());
+  EXPECT_EQ(source->problem(), "the last line has no end");
+  EXPECT_EQ(source->Description(), "stdin, csv");
   dup2(before, STDIN_FILENO);
   close(before);
   close(pipe[0]);

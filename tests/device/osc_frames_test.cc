@@ -117,6 +117,16 @@ TEST(OscFrames, HaveAtMost1024Columns) {
   }
 }
 
+TEST(OscFrames, HaveTheWidthThatComesTwice) {
+  Decoded made = Osc("/flex");
+  for (const std::size_t width : {1, 2, 2, 3, 2}) {
+    made.Packet(OscMessageBytes("/flex", std::vector<double>(width, 5.0)));
+  }
+  EXPECT_EQ(made.Values(), (Rows{{5, 5}, {5, 5}, {5, 5}}));
+  EXPECT_EQ(made.decoder->counts().garbage, 2u);
+  EXPECT_EQ(made.decoder->problem(), "a message has 3 numbers, the first one 2");
+}
+
 TEST(OscFrames, OfABundleAreItsMessages) {
   Decoded made = Osc("");
   for (int i = 0; i < 3; ++i) {

@@ -92,7 +92,7 @@ class JsonEncoder : public FrameEncoder {
   std::string Frame(const OutgoingFrame& frame) const override {
     Json object;
     object[std::string(kNumberColumn)] = frame.number;
-    object[std::string(kTimeColumn)] = static_cast<double>(frame.time_ns) * 1e-9;
+    object[std::string(kTimeColumn)] = static_cast<double>(frame.time_ns) / 1e9;
     for (std::size_t i = 0; i < names_.size(); ++i) {
       object[names_[i]] = NumberOrNull(frame.values[i]);
     }
