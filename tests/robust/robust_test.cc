@@ -40,7 +40,7 @@ class RobustTest : public testing::Test {
   RobustTest() { std::ofstream(folder_.path() / "base.yaml") << kScenario; }
 
   RobustPlan Plan(const RobustOptions& options) const {
-    return MakeRobustPlan({.file = folder_.path() / "base.yaml", .text = kScenario}, options);
+    return MakeRobustPlan({.file = folder_.path() / "base.yaml", .text = text_}, options);
   }
   /// The number that a cell has at this key.
   static double At(const RobustPlan& plan, std::int64_t cell, const std::string& key) {
@@ -71,7 +71,7 @@ class RobustTest : public testing::Test {
         continue;
       }
       record.motions.assign(static_cast<std::size_t>(plan.sweep.file.seeds), 0);
-      for (const char* name : {"steady", "fragile"}) {
+      for (const std::string& name : names_) {
         record.controller = record.settings = name;
         database->AddCell(record, {});
         for (int seed = 1; seed <= plan.sweep.file.seeds; ++seed) {
@@ -79,7 +79,9 @@ class RobustTest : public testing::Test {
           outcome.scores.summary.assign(Metrics().size(), std::nan(""));
           const double noise = 10.0 * (NoiseFactor(plan, cell) - 1.0);
           outcome.scores.summary[plan.sweep.best_by] =
-              0.3 * seed + (record.controller == "steady" ? 6.0 : 5.0 + noise);
+              0.3 * seed + (name == "steady" ? 6.0
+                            : name == "slow" ? 9.0
+                                             : 5.0 + noise);
           database->Keep({record.study, record.controller, record.settings, seed}, outcome);
         }
       }
@@ -89,6 +91,8 @@ class RobustTest : public testing::Test {
   }
 
   test::TemporaryDirectory folder_;
+  std::string text_ = kScenario;
+  std::vector<std::string> names_ = {"steady", "fragile"};
 };
 
 TEST_F(RobustTest, VariesOneParameterAtATimeAndThenAllTogether) {
@@ -148,6 +152,18 @@ TEST_F(RobustTest, CountsTheHandsOnWhichEachIsBest) {
   EXPECT_GT(controllers[1].best.high, controllers[1].best.value());
   EXPECT_THAT(result.scores[0].two_best, ElementsAre(1, 0));
   EXPECT_EQ(result.nominal.Of(plan.sweep.best_by, 1, 0).judgement, Judgement::kBetter);
+}
+
+TEST_F(RobustTest, AsksForTheDifferenceOfTheTwoBestOfThree) {
+  text_ += "  slow: {filter: {kind: moving_average, window: 50}}\n";
+  text_ += "baseline: slow\n";
+  names_.emplace_back("slow");
+  const RobustPlan plan = Plan({.hands = 4, .seeds = 3});
+  const RobustResult result = ConcludeRobust(plan, *MadeUp(plan));
+  EXPECT_THAT(result.scores[0].two_best, ElementsAre(1, 0));
+  EXPECT_EQ(result.scores[0].controllers[2].name, "slow");
+  EXPECT_EQ(result.scores[0].controllers[2].near_best.hits, 0);
+  EXPECT_EQ(result.nominal.baseline, 2u);
 }
 
 TEST_F(RobustTest, TheTornadoNamesTheParameterThatMatters) {
