@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -90,6 +91,86 @@ TEST(FrameArrivals, SurvivesNumbersThatNoSenderCounts) {
   EXPECT_LT(given.back(), 100);
   EXPECT_EQ(given.back(), given[given.size() - 2] + 1);
   EXPECT_LT(arrivals.Facts().lost, 1000);
+}
+
+TEST(FrameArrivals, TakeANumberAMillionAheadForAnother) {
+  for (const std::int64_t ahead : {1'000'000, 1'000'001}) {
+    FrameArrivals arrivals;
+    const std::vector<std::int64_t> given = Numbers(arrivals, {5, 5 + ahead});
+    const bool is_other = ahead > 1'000'000;
+    EXPECT_EQ(given[1], is_other ? 1 : ahead);
+    EXPECT_EQ(arrivals.Facts().restarts, is_other ? 1 : 0);
+    EXPECT_EQ(arrivals.Facts().lost, is_other ? 0 : ahead - 1);
+  }
+}
+
+/// The fifth of rising numbers, later than 50 ms behind the newest one.
+TEST(FrameArrivals, KnowASenderThatStartedAnewByFiveRisingNumbers) {
+  struct Case {
+    std::int64_t first_ms;
+    std::vector<std::int64_t> numbers;
+    bool is_new;
+  };
+  for (const Case& is : {Case{47, {0, 1, 2, 3, 4}, true},
+                         {46, {0, 1, 2, 3, 4}, false},
+                         {90, {0, 1, 2, 3}, false},
+                         {90, {0, 1, 1, 2, 3}, false},
+                         {90, {3, 0, 1, 2, 3, 4}, true}}) {
+    FrameArrivals arrivals;
+    Numbers(arrivals, {100, 101});  // the newest at 1 ms
+    const std::vector<std::int64_t> given = Numbers(arrivals, is.numbers, is.first_ms + 1);
+    EXPECT_EQ(arrivals.Facts().restarts, is.is_new ? 1 : 0) << is.first_ms;
+    EXPECT_EQ(given.back(), is.is_new ? 2 : is.numbers.back() - 100) << is.first_ms;
+  }
+}
+
+/// A quarter of a second, and more than ten usual gaps, behind ten frames at least.
+TEST(FrameArrivals, KnowASilenceByItsLength) {
+  struct Case {
+    int frames;
+    double usual_ms;
+    double gap_ms;
+    bool is_silence;
+  };
+  for (const Case& is : {Case{10, 10.0, 249.0, false},
+                         {10, 10.0, 250.0, true},
+                         {9, 10.0, 400.0, false},
+                         {10, 30.0, 300.0, false},
+                         {10, 30.0, 301.0, true}}) {
+    FrameArrivals arrivals;
+    double time_ms = 0.0;
+    for (int i = 0; i <= is.frames; ++i) {
+      const std::array values = {time_ms};
+      arrivals.Add({.arrival_ns = std::llround(1e6 * time_ms), .values = values});
+      time_ms += i + 1 < is.frames ? is.usual_ms : is.gap_ms;
+    }
+    const ArrivalFacts facts = arrivals.Facts();
+    EXPECT_EQ(facts.silences, is.is_silence ? 1 : 0) << is.gap_ms;
+    EXPECT_EQ(facts.silence_ns, is.is_silence ? std::llround(1e6 * is.gap_ms) : 0);
+    EXPECT_EQ(facts.lost_in_silences, 0);
+  }
+}
+
+TEST(FrameArrivals, HaveTheLengthOf99PercentOfTheLosses) {
+  for (const int long_ones : {0, 1, 2}) {
+    FrameArrivals arrivals;
+    std::vector<std::int64_t> numbers = {0};
+    for (int i = 0; i < 100; ++i) numbers.push_back(numbers.back() + (i < long_ones ? 6 : 2));
+    Numbers(arrivals, numbers);
+    EXPECT_EQ(arrivals.Facts().p99_loss, long_ones < 2 ? 1 : 5);
+    EXPECT_EQ(arrivals.Facts().longest_loss, long_ones == 0 ? 1 : 5);
+  }
+}
+
+TEST(FrameArrivals, HaveNoRateOfOneFrame) {
+  FrameArrivals arrivals;
+  Numbers(arrivals, {0});
+  EXPECT_TRUE(std::isnan(arrivals.Facts().PerSecond(1)));
+  EXPECT_TRUE(std::isnan(arrivals.Facts().Rate_hz()));
+  Numbers(arrivals, {1}, 10);
+  EXPECT_DOUBLE_EQ(arrivals.Facts().PerSecond(2), 100.0);
+  EXPECT_DOUBLE_EQ(arrivals.Facts().PerSecond(1), 0.0);
+  EXPECT_DOUBLE_EQ(arrivals.Facts().Rate_hz(), 100.0);
 }
 
 TEST(FrameArrivals, MeasuresTheDelayAboveTheFastestFrameWithoutACommonClock) {

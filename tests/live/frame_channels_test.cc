@@ -73,6 +73,53 @@ TEST(FrameChannels, AsksWhereTheNumberOfValuesIsNotThatOfTheGlove) {
       << problem;
 }
 
+TEST(FrameChannels, SaysWhatItTakesTheColumnsFor) {
+  struct Case {
+    DeviceColumns columns;
+    std::string says;  // as remark, else as error
+  };
+  const std::vector<double> values(3, 300.0);
+  for (const Case& is : std::vector<Case>{
+           {{.names = {}, .count = 2, .version = 1},
+            "2 values a frame are the counts of index_mcp to index_pip in this order; --map says "
+            "otherwise"},
+           {{.names = {"frame", "x", ""}, .count = 3, .number = 0, .version = 1},
+            "2 values a frame (x) are the counts of index_mcp to index_pip in this order; --map "
+            "says otherwise"},
+           {{.names = {"x"}, .count = 1, .version = 1},
+            "--glove test: a frame has 1 value (x), the glove has 2 channels; --map FILE.csv names "
+            "the channel of each column, and --set 'glove.channels=[..]' the channels of the "
+            "glove"},
+           {{.names = {"index_pip_deg", "thumb_ip_deg"}, .count = 2, .version = 1},
+            "--glove test: no column gives index_mcp; a glove without them: --set "
+            "'glove.channels=[index_pip]'"},
+           {{.names = {"thumb_ip_deg", "ring_mcp_deg"}, .count = 2, .version = 1},
+            "--glove test: no column gives index_mcp, index_pip; --map FILE.csv names the channel "
+            "of each column"}}) {
+    FrameChannels channels(TwoChannels());
+    EXPECT_EQ(channels.remark(), "");
+    std::string said;
+    try {
+      channels.Counts(is.columns, 0.0, std::span(values).first(is.columns.count));
+      said = channels.remark();
+    } catch (const UserError& error) {
+      said = error.what();
+    }
+    EXPECT_EQ(said, is.says);
+  }
+}
+
+TEST(FrameChannels, TakesNamesWithoutAUnitInTheUnitThatIsGiven) {
+  for (const std::string unit : {"", "rad", "counts"}) {
+    FrameChannelsConfig config = TwoChannels();
+    config.unit = unit;
+    FrameChannels channels(config);
+    const DeviceColumns columns{.names = {"index_mcp", "index_pip"}, .count = 2, .version = 1};
+    const double value = unit == "counts" ? 500.0 : unit == "rad" ? 40.0 * kRadPerDeg : 40.0;
+    EXPECT_NEAR(channels.Counts(columns, 0.0, std::array{value, value})[0], 500.0, 1e-9) << unit;
+  }
+}
+
 TEST(FrameChannels, TakesCountsOfEachChannelsOwnConverter) {
   FrameChannelsConfig config = TwoChannels();
   config.glove.low_counts[1] = -1500.0;
