@@ -67,7 +67,7 @@ class StageClock {
     const SampleTimes& sample = head.sample;
     const std::int64_t held_until_ns =
         std::max(sample.filtered_ns, head.due_ns - std::min(head.due_ns, head.period_ns));
-    const std::array<std::int64_t, kStages + 1> times = {
+    const std::array times = {
         sample.arrival_ns,  sample.decoded_ns, sample.taken_ns, sample.used_ns,
         sample.filtered_ns, held_until_ns,     head.due_ns,     sent_ns};
     for (std::size_t stage = 0; stage < kStages; ++stage) {

@@ -21,6 +21,7 @@
 
 #include "sim/base/error.h"
 #include "sim/live/device/binary_frames.h"
+#include "sim/live/device/byte_device.h"
 #include "sim/live/device/device_clock.h"
 #include "tests/device/decoder_support.h"
 #include "tests/device/free_port.h"
@@ -170,6 +171,59 @@ TEST(UdpSource, PassesOnRepeatedAndReorderedFramesAndCountsTheRest) {
   EXPECT_EQ(source->counts().frames, 7u);
   EXPECT_EQ(source->counts().bytes, 82u);
   EXPECT_EQ(source->Description(), fmt::format("udp:127.0.0.1:{}, csv", port));
+}
+
+/// What is sent to a group, and does not leave this machine.
+class Group {
+ public:
+  explicit Group(const std::string& host)
+      : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)),
+        address_(fmt::format("udp:{}:{}", host, FreePort())) {
+    const int hops = 0;
+    setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_TTL, &hops, sizeof hops);
+    to_.sin_family = AF_INET;
+    to_.sin_addr.s_addr = inet_addr(host.c_str());
+    to_.sin_port =
+        htons(static_cast<std::uint16_t>(ParseDeviceAddress(address_, DeviceRole::kSource).port));
+  }
+  ~Group() { close(socket_); }
+  Group(const Group&) = delete;
+  Group& operator=(const Group&) = delete;
+
+  const std::string& address() const { return address_; }
+  void Send(std::string_view text) const {
+    sendto(socket_, text.data(), text.size(), 0, reinterpret_cast<const sockaddr*>(&to_),
+           sizeof to_);
+  }
+  /// True if a member that asks the system itself gets what is sent.
+  bool HasWay() const {
+    const int member = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    ip_mreqn wanted{};
+    wanted.imr_multiaddr = to_.sin_addr;
+    setsockopt(member, IPPROTO_IP, IP_ADD_MEMBERSHIP, &wanted, sizeof wanted);
+    bind(member, reinterpret_cast<const sockaddr*>(&to_), sizeof to_);
+    Send("x");
+    const bool has_way = WaitReadable(member, milliseconds(500));
+    close(member);
+    return has_way;
+  }
+
+ private:
+  int socket_;
+  std::string address_;
+  sockaddr_in to_{};
+};
+
+TEST(UdpSource, JoinsTheGroupOfAMulticastAddress) {
+  // Another group: a member lets packets in for all who listen to its own.
+  if (!Group("239.77.1.10").HasWay()) GTEST_SKIP() << "this machine has no way for groups";
+  const Group group("239.77.1.9");
+  const auto first = Open(group.address());
+  const auto second = Open(group.address());
+  group.Send("a,b\n");
+  group.Send("1,2\n");
+  EXPECT_EQ(Receive(*first, 1).size(), 1u);
+  EXPECT_EQ(Receive(*second, 1).size(), 1u);
 }
 
 TEST(UdpSource, SaysWhyAPortIsNotOpened) {

@@ -356,6 +356,8 @@ TEST(LiveSession, TakesEachFrameOfAFileAndNumbersThemAsTheSenderDoes) {
   EXPECT_GE(facts.most_queued, 0);
   EXPECT_EQ(live.recorded.samples, 29);
   EXPECT_EQ(live.recorded.kept, 29);
+  EXPECT_GT(live.recorded.last_time_s, 0.1);
+  EXPECT_LE(live.recorded.last_time_s, facts.duration_s);
   EXPECT_THAT(live.columns_remark, HasSubstr("18 values a frame"));
   ASSERT_FALSE(said.empty());
   EXPECT_EQ(said[0], "waiting for frames from the test's glove");

@@ -1,6 +1,7 @@
 // Robustness: which hands are tried, and that made-up scores give the shares and bars they must.
 #include "sim/answers/robust/robust.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -55,7 +56,9 @@ class RobustTest : public testing::Test {
   /// A database in which `fragile` tracks 1 deg better than `steady` on the scenario's own hand, by
   /// 10 deg for each unit of the noise's factor less; all seeds alike but for `scatter`, which both
   /// share.
-  std::unique_ptr<SweepDatabase> MadeUp(const RobustPlan& plan, std::int64_t not_built = -1) const {
+  /// `failed`: of this controller one cell has no scores.
+  std::unique_ptr<SweepDatabase> MadeUp(const RobustPlan& plan, std::int64_t not_built = -1,
+                                        const std::string& failed = "") const {
     auto database = std::make_unique<SweepDatabase>(folder_.path() / "made_up.db", "made up",
                                                     plan.sweep.metrics);
     for (std::int64_t cell = 0; cell < plan.sweep.cell_count(); ++cell) {
@@ -65,7 +68,7 @@ class RobustTest : public testing::Test {
                              .settings = {},
                              .motions = {},
                              .problem = {}};
-      if (cell == not_built) {
+      if (cell == not_built && failed.empty()) {
         record.problem = "too soft";
         database->AddCell(record, {});
         continue;
@@ -73,6 +76,7 @@ class RobustTest : public testing::Test {
       record.motions.assign(static_cast<std::size_t>(plan.sweep.file.seeds), 0);
       for (const std::string& name : names_) {
         record.controller = record.settings = name;
+        record.problem = cell == not_built && name == failed ? "diverged" : "";
         database->AddCell(record, {});
         for (int seed = 1; seed <= plan.sweep.file.seeds; ++seed) {
           TrialOutcome outcome;
@@ -189,6 +193,26 @@ TEST_F(RobustTest, KeepsAHandThatCannotBeBuiltWithItsReason) {
   EXPECT_EQ(result.not_built, 1);
   EXPECT_THAT(result.first_problem, HasSubstr("too soft"));
   EXPECT_EQ(result.scores[0].controllers[0].best.count, 3);
+}
+
+TEST_F(RobustTest, HasNoBarWhereOneOfTheTwoFails) {
+  for (const std::string failed : {"steady", "fragile"}) {
+    const RobustPlan plan = Plan({.hands = 2, .seeds = 2});
+    for (const bool is_high : {false, true}) {
+      const std::int64_t cell = is_high ? RobustPlan::HighCell(2) : RobustPlan::LowCell(2);
+      const RobustResult result = ConcludeRobust(plan, *MadeUp(plan, cell, failed));
+      const TornadoBar& last = result.scores[0].bars.back();
+      EXPECT_EQ(last.parameter, 2u);
+      EXPECT_EQ(last.problem, is_high ? "high: diverged" : "low: diverged");
+      EXPECT_EQ(TornadoVerdict(last), "");
+      EXPECT_EQ(result.failed, 0) << "of the drawn hands";
+    }
+    const RobustResult drawn = ConcludeRobust(plan, *MadeUp(plan, plan.FirstHand(), failed));
+    EXPECT_EQ(drawn.failed, 1);
+    EXPECT_EQ(drawn.not_built, 0);
+    EXPECT_EQ(drawn.scores[0].controllers[0].best.count, 2);
+    EXPECT_EQ(drawn.first_problem, fmt::format("hand {}: diverged", plan.FirstHand()));
+  }
 }
 
 TEST_F(RobustTest, NeedsTheOwnHand) {
