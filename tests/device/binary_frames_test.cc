@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "sim/base/error.h"
 #include "tests/device/decoder_support.h"
 
 namespace gauntlet::sim {
@@ -47,6 +48,12 @@ TEST(BinaryFrames, AreReadAsTheyWereWritten) {
   EXPECT_TRUE(std::isnan(made.frames[0].values[1]));
   EXPECT_EQ(made.frames[0].values[2], -1e300);
   EXPECT_TRUE(std::isnan(made.frames[0].values[3]));
+}
+
+TEST(BinaryFrames, HaveNamesOfUpTo65535Bytes) {
+  EXPECT_EQ(BinaryNames({std::string(65'000, 'a'), std::string(534, 'b')}).size(), 65'535u + 28u);
+  EXPECT_THROW(BinaryNames({std::string(65'000, 'a'), std::string(535, 'b')}), UserError);
+  EXPECT_THROW(BinaryNames({"a,b"}), UserError);
 }
 
 TEST(BinaryFrames, DoNotDependOnThePiecesOfTheStream) {
