@@ -28,8 +28,8 @@ struct TrialOptions {
 };
 
 /// The angles that the controller takes the glove's first samples for: a hand that already follows
-/// begins in their posture. The wearer's own would be an advantage for a filter that keeps it still.
-/// Shape: 1 x channels. Units: rad.
+/// begins in their posture. The wearer's own would be an advantage for a filter that keeps it
+/// still. Shape: 1 x channels. Units: rad.
 Signal FirstAngles(const TrialSetup& setup, const GloveSignal& glove);
 
 /// The one loop in which simulated time advances: glove sample -> controller -> event -> hand. It
