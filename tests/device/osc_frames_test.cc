@@ -70,6 +70,17 @@ TEST(OscPacket, PassesOverWhatIsNoNumber) {
   EXPECT_FALSE(ReadOscPacket(std::string("/a\0\0,?\0\0", 8)));
 }
 
+TEST(OscPacket, PassesOverBlobsOfEachLength) {
+  for (char length = 0; length <= 9; ++length) {
+    const std::size_t padded = (static_cast<std::size_t>(length) + 3) / 4 * 4;
+    const std::string bytes = std::string("/a\0\0,bi\0\0\0\0", 11) + length +
+                              std::string(padded, 'x') + std::string("\0\0\0\7", 4);
+    const auto packet = ReadOscPacket(bytes);
+    ASSERT_TRUE(packet) << static_cast<int>(length);
+    EXPECT_THAT(packet->messages[0].numbers, ElementsAre(7.0));
+  }
+}
+
 TEST(OscPacket, HasBundlesInBundlesUpToEight) {
   std::string bytes("/a\0\0,i\0\0\0\0\0\7", 12);
   for (int depth = 1; depth <= 9; ++depth) {

@@ -361,6 +361,7 @@ tracking_rmse_deg,fragile,steady,stiffness,2,1.875,2.125,2.25,2,2.5,0.25,-0.125,
 tracking_rmse_deg,fragile,steady,servo_gain,5,4.875,5.125,6,5.75,6.25,1,0.625,1.375,0.95,0.5,undecided,
 tracking_rmse_deg,fragile,steady,delay,,,,,,,,,,,,,low: too soft
 )");
+  EXPECT_THAT(RobustJson(plan_, result_), testing::StartsWith("{\n \"scenario\": \"base\",\n"));
   const Json json = Json::parse(RobustJson(plan_, result_));
   for (const auto& [key, value] :
        std::vector<std::pair<const char*, Json>>{{"scenario", "base"},
