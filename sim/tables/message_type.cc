@@ -146,6 +146,7 @@ Texts SplitTexts(std::string_view type, std::string_view text) {
       expects_name = true;
     } else if (expects_name && trimmed.starts_with("MSG:")) {
       name = PlainTypeName(Trimmed(trimmed.substr(4)));
+      texts.try_emplace(name);  // a message may have no members
       expects_name = false;
     } else {
       texts[name].append(line).push_back('\n');
@@ -294,9 +295,9 @@ std::string_view KnownMessage(std::string_view type) {
 bool HasSignals(const MessageTypes& types) {
   const std::string& name = types.front().name;
   const std::vector<MessageField>& fields = types.front().fields;
-  const bool is_number = name.starts_with("std_msgs/") && fields.size() == 1 &&
-                         fields.front().kind < FieldKind::kText &&
-                         fields.front().shape == FieldShape::kOne;
+  const bool is_number =
+      name.starts_with("std_msgs/") && fields.size() == 1 && fields.front().name != kNoMember &&
+      fields.front().kind < FieldKind::kText && fields.front().shape == FieldShape::kOne;
   return is_number || HasSignals(types, types.front());
 }
 

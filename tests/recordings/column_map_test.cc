@@ -265,6 +265,140 @@ TEST_F(ColumnMaps, ReadDecimalCommasBetweenBlanks) {
   EXPECT_NEAR(rows[1]["index_pip"], 2.6, 1e-9);
 }
 
+// Each key at its limits, and beside the keys that it excludes.
+TEST_F(ColumnMaps, RefuseEveryMistakeAtItsPlace) {
+  const auto map = [&](const std::string& keys, const std::string& cells) -> std::string {
+    std::ofstream(MapFile()) << "column,channel" << keys << "\na,index_mcp" << cells << "\n";
+    try {
+      ReadColumnMap(MapFile(), RecordingColumns{.name = "in.csv", .header = {"a"}, .count = 1});
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const struct {
+    const char* keys;
+    const char* cells;
+    const char* problem;  // empty: none
+  } known[] = {
+      {"", "", ""},
+      {",unit", ",mV", ":2:3: 'mV' must be one of: deg, rad, counts, share, volts"},
+      {",unit", ",volts", ":2:3: volts need raw_low and raw_high"},
+      {",sign", ",-1", ""},
+      {",sign", ",2", ":2:3: must be 1 or -1"},
+      {",deg_low", ",1", ":2:3: needs raw_low and raw_high"},
+      {",deg_high", ",1", ":2:3: needs raw_low and raw_high"},
+      {",raw_low", ",1", ":2:3: must be given, as the other end is"},
+      {",raw_low,raw_high", ",1,", ":2:4: must be given, as the other end is"},
+      {",raw_low,raw_high", ",,1", ":2:3: must be given, as the other end is"},
+      {",raw_low,raw_high", ",1,1", ":2:4: must not be raw_low"},
+      {",raw_low,raw_high", ",1,2", ""},
+      {",raw_low,raw_high,scale", ",1,2,1", ":2:5: must be empty beside raw_low and raw_high"},
+      {",raw_low,raw_high,sign", ",1,2,1", ":2:5: must be empty beside raw_low and raw_high"},
+      {",raw_low,raw_high,offset", ",1,2,1", ":2:5: must be empty beside raw_low and raw_high"},
+      {",raw_low,raw_high,unit", ",1,2,volts", ""},
+      {",unit,bits", ",counts,1", ""},
+      {",unit,bits", ",counts,24", ""},
+      {",unit,bits", ",counts,0", ":2:4: must be a whole number from 1 to 24"},
+      {",unit,bits", ",counts,25", ":2:4: must be a whole number from 1 to 24"},
+      {",unit,bits", ",counts,8.5", ":2:4: must be a whole number from 1 to 24"},
+      {",unit,bits", ",deg,8", ":2:4: is for counts only"},
+      {",wraps_at", ",0", ""},
+      {",wraps_at", ",-1", ":2:3: must be above 0"},
+      {",joint", ",x", ":2:3: is for command, angle and motor"},
+      {",assumed", ",joint unit sign range rate", ""},
+      {",assumed", ",joint name", ":2:3: 'name' must be one of: joint, unit, sign, range, rate"},
+      {",raw_low,raw_high,envelope_ms", ",1,2,10", ""},
+      {",raw_low,raw_high,envelope_ms", ",1,2,0", ":2:5: must be from"},
+      {",raw_low,raw_high,envelope_ms", ",1,2,1e6", ":2:5: must be from"},
+      {",envelope_ms", ",10", ":2:3: needs raw_low and raw_high of the envelope"},
+      {",raw_low,raw_high,envelope_ms,wraps_at", ",1,2,10,5", ":2:6: must be empty beside"},
+      {",raw_low,raw_high,envelope_ms,bits,unit", ",1,2,10,5,counts", ":2:6: must be empty beside"},
+      {",scala", ",1", ":1:3: unknown key 'scala' (did you mean scale?)"},
+  };
+  for (const auto& [keys, cells, problem] : known) {
+    const std::string found = map(keys, cells);
+    if (*problem == '\0') {
+      EXPECT_EQ(found, "") << keys << cells;
+    } else {
+      EXPECT_THAT(found, HasSubstr(problem)) << keys << cells;
+    }
+  }
+  EXPECT_THAT(ErrorOf("a\n1\n", "column,channel\na,index_mpc\n"),
+              HasSubstr(":2:2: unknown channel 'index_mpc' (did you mean index_mcp?)"));
+  EXPECT_THAT(ErrorOf("a\n1\n", "column,channel\na,command\n"),
+              HasSubstr(":2:2: command is of a log of commands and angles"));
+  EXPECT_THAT(ErrorOf("a\n1\n", "channel\nindex_mcp\n"), HasSubstr(":1:1: there is no key column"));
+  EXPECT_THAT(ErrorOf("a\n1\n", "column\na\n"), HasSubstr(":1:1: there is no key channel"));
+  EXPECT_THAT(ErrorOf("a\n1\n", "column,channel\na,ignore\n"),
+              HasSubstr("the map names no channel"));
+  EXPECT_THAT(ErrorOf("a\n1\n", "column,channel\n2,index_mcp\n"),
+              HasSubstr("has no column '2', must be one of its names or 1 to 1"));
+  EXPECT_THAT(ErrorOf("a\n1\n", "column,channel,unit\na,time,day,\n"),
+              HasSubstr("the map names no channel"));
+  EXPECT_THAT(ErrorOf("a\n1\n", "column,channel,unit\na,time,year\n"),
+              HasSubstr("must be one of: s, ms, us, ns, ticks, min, h, day, date"));
+}
+
+TEST_F(ColumnMaps, OfLogsHaveCommandsAnglesAndMotors) {
+  const std::filesystem::path file = MapFile();
+  const auto read = [&](const std::string& text) {
+    std::ofstream(file) << text;
+    return ReadLogMap(file, {.name = "log.csv", .header = {"t", "a", "b", "c"}, .count = 4});
+  };
+  const LogMap map = read(
+      "column,channel,unit,joint,scale,offset,raw_low,raw_high,deg_low,deg_high\nt,time,ms,,,,,,,\n"
+      "a,command,rad,thumb,2,0.5,,,,\nb,angle,,,,3,,,,\nc,motor,counts,m1,,,100,300,10,50\n");
+  ASSERT_EQ(map.time.size(), 1U);
+  EXPECT_EQ(map.time[0].scale_s, 1e-3);
+  ASSERT_EQ(map.parts.size(), 3U);
+  EXPECT_EQ(map.parts[0].role, "command");
+  EXPECT_EQ(map.parts[0].part, "thumb");
+  EXPECT_NEAR(map.parts[0].scale, 2.0 * kDegPerRad, 1e-9);
+  EXPECT_NEAR(map.parts[0].offset_deg, 0.5 * kDegPerRad, 1e-9);
+  EXPECT_EQ(map.parts[1].column, 2U);
+  EXPECT_EQ(map.parts[1].scale, 1.0);
+  EXPECT_EQ(map.parts[1].offset_deg, 3.0);
+  EXPECT_EQ(map.parts[1].part, "");
+  EXPECT_NEAR(map.parts[2].scale, 0.2, 1e-12);
+  EXPECT_NEAR(map.parts[2].offset_deg, -10.0, 1e-12);
+  const auto problem = [&](const std::string& keys, const std::string& cells) {
+    try {
+      read("column,channel" + keys + "\na," + cells + "\n");
+    } catch (const UserError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(problem("", "angle"), "");
+  EXPECT_THAT(problem("", "index_mcp"),
+              HasSubstr("must be one of: time, command, angle, motor, ignore"));
+  for (const char* key : {"weight", "wraps_at", "envelope_ms"}) {
+    EXPECT_THAT(problem(std::string(",") + key, "angle,1"), HasSubstr("is for a glove's channels"));
+  }
+  EXPECT_THAT(problem(",raw_low,raw_high,deg_low", "angle,1,2,3"),
+              HasSubstr("must be given beside"));
+  EXPECT_THAT(problem(",raw_low,raw_high,deg_high", "angle,1,2,3"),
+              HasSubstr("must be given beside"));
+  EXPECT_THAT(problem(",unit", "angle,counts"), HasSubstr("of a log must be deg or rad"));
+  EXPECT_THAT(problem(",unit", "angle,share"), HasSubstr("of a log must be deg or rad"));
+}
+
+TEST(HandColumn, NamesAHandInEveryRow) {
+  const auto found = [](const std::string& name, const std::vector<std::string>& cells) {
+    TableLayout layout;
+    layout.columns = 2;
+    layout.names = {"a", name};
+    for (const std::string& cell : cells) layout.rows.push_back({"1", cell});
+    return HandColumn(layout);
+  };
+  for (const char* name : {"hand", "Hands", "my_handedness", "side"}) {
+    EXPECT_EQ(found(name, {"left", "R", "right_hand"}), 1U) << name;
+  }
+  EXPECT_EQ(found("hand", {"left", "both", "right"}), std::nullopt);
+  EXPECT_EQ(found("person", {"left", "right", "left"}), std::nullopt);
+}
+
 TEST(SecondsOfText, ReadsDatesAndClocks) {
   const double day_s = 86400.0;
   const struct {
@@ -299,6 +433,25 @@ TEST(SecondsOfText, ReadsDatesAndClocks) {
       {"P1DT2H3M4.5S", day_s + 7384.5},
       {"-PT0.01S", -0.01},
       {"P-1DT23H59M59.990S", -0.01},
+      // The day comes first with points, and where no month has such a number.
+      {"13/1/1970", 12 * day_s},
+      {"12/1/1970", 334 * day_s},
+      {"12/31/1970", 364 * day_s},
+      {"31/12/1970", 364 * day_s},
+      {"2-1-1970", 31 * day_s},
+      {"1000-01-01", -354285 * day_s},
+      {"24:00:00", day_s},
+      {"24:30", 88200.0},
+      {"00:59", 3540.0},
+      {"60:59.5", 3659.5},
+      {"12:30 PM", 45000.0},
+      {"12:30:30.5 AM", 1830.5},
+      {"11:59:59 pm", day_s - 1.0},
+      {"11:59 am", 43140.0},
+      {"12:00:00+2", 36000.0},
+      {"12:00:00+05:30", 23400.0},
+      {"12:00:00-99", 399600.0},
+      {"12:00:00+100", 39600.0},
   };
   for (const auto& [text, seconds] : known) {
     const auto read = SecondsOfText(text);
@@ -308,11 +461,56 @@ TEST(SecondsOfText, ReadsDatesAndClocks) {
 }
 
 TEST(SecondsOfText, ReadsNothingElse) {
-  for (const char* text :
-       {"",         "1",     "1.5",         "1,5",    "-3",    "12:",         "12:61",
-        "23:59:61", "25:00", "2024-02-30",  "12:00x", "1.2.3", "P",           "PT",
-        "P1",       "P1DT",  "PT5",         "P5S",    "p1",    "PIP",         "3 day sun",
-        "5 days 3", "index", "2024-01-01T", "1e5",    "nan",   "10:20:30:40", "1-2"}) {
+  for (const char* text : {"",
+                           "1",
+                           "1.5",
+                           "1,5",
+                           "-3",
+                           "12:",
+                           "12:61",
+                           "23:59:61",
+                           "25:00",
+                           "2024-02-30",
+                           "12:00x",
+                           "1.2.3",
+                           "index",
+                           "2024-01-01T",
+                           "1e5",
+                           "nan",
+                           "10:20:30:40",
+                           "1-2",
+                           "0999-01-01",
+                           "32/1/1970",
+                           "12/32/1970",
+                           "13/13/1970",
+                           "12345-01-01",
+                           "111:00:00",
+                           "00:60",
+                           "00:60.5",
+                           "25:00:00",
+                           "1:123",
+                           "1:2:345",
+                           "00:00:01.",
+                           "00:00:01Zx",
+                           "00:00:01+",
+                           "00:00:01+x",
+                           "12:00 P",
+                           "12:00 XM",
+                           "1970-01-02/00:00",
+                           "1970-01-02T00",
+                           "1970-01-02T100:00",
+                           "2024-1x-01",
+                           "2024-01.01",
+                           "P",
+                           "PT",
+                           "P1",
+                           "P1DT",
+                           "PT5",
+                           "P5S",
+                           "p1",
+                           "PIP",
+                           "3 day sun",
+                           "5 days 3"}) {
     EXPECT_FALSE(SecondsOfText(text)) << text;
   }
 }

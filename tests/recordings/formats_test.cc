@@ -220,6 +220,77 @@ TEST(Json, AsksForOneOfRecordingsOfUnequalLength) {
               testing::StartsWith("persons_1_frames_t,persons_1_frames_index_mcp_deg\n0,20"));
 }
 
+TEST(Json, KnowsAHandByEveryKeyOfTrackers) {
+  const auto names = [](const std::string& hand) {
+    const std::string text = TableOf(ReadJsonArrays(fmt::format(
+        R"([{{"t": 0, "hands": [{{"x": 1, {}}}]}}, {{"t": 1, "hands": [{{"x": 2, {}}}]}}])", hand,
+        hand)));
+    return text.substr(0, text.find('\n'));
+  };
+  for (const char* key : {"handedness", "hand", "side", "label", "categoryName", "category_name",
+                          "displayName", "classification"}) {
+    EXPECT_THAT(names(fmt::format(R"("{}": "Left")", key)), HasSubstr("hands_left_x")) << key;
+    EXPECT_THAT(names(fmt::format(R"("{}": [{{"score": 1, "label": "RIGHT"}}])", key)),
+                HasSubstr("hands_right_x"))
+        << key;
+  }
+  EXPECT_THAT(names(R"("name": "left")"), HasSubstr("hands_1_x"));
+  EXPECT_THAT(names(R"("hand": "both")"), HasSubstr("hands_1_x"));
+  // In four lists at most.
+  EXPECT_THAT(names(R"("hand": [[["left"]]])"), HasSubstr("hands_left_"));
+  EXPECT_THAT(names(R"("hand": [[[["left"]]]])"), HasSubstr("hands_1_"));
+  // Beside the list, one for each of its items.
+  const auto beside = [](const std::string& hands) {
+    const std::string text = TableOf(ReadJsonArrays(fmt::format(
+        R"([{{"handedness": {0}, "p": [[1, 2], [3, 4]]}}, {{"handedness": {0}, "p": [[1, 2], [3, 4]]}}])",
+        hands)));
+    return text.substr(0, text.find('\n'));
+  };
+  EXPECT_EQ(beside(R"(["Left", "Right"])"), "p_left_1,p_left_2,p_right_1,p_right_2");
+  EXPECT_EQ(beside(R"(["Left", "Left"])"), "p_1_1,p_1_2,p_2_1,p_2_2");
+  EXPECT_EQ(beside(R"(["Left"])"), "p_1_1,p_1_2,p_2_1,p_2_2");
+}
+
+TEST(Json, HasNoNumbersWhereThereAreNone) {
+  const auto table_of = [](const std::string& json) { return TableOf(ReadJsonArrays(json)); };
+  EXPECT_EQ(
+      table_of(R"([{"a": NaN, "b": "NaN, he said"}, {"a": -Infinity}, {"a": 1}, {"a": nan}])"),
+      "a\nnan\nnan\n1\nnan\n");
+  EXPECT_EQ(table_of(R"([{"a": "1", "n\"NaN": 2}, {"a": "2.5", "n\"NaN": NaN}])"),
+            "a,n_NaN\n1,2\n2.5,nan\n");
+  EXPECT_EQ(table_of(R"([{"a": 1, "b": null}, {"a": 2, "b": "x"}])"), "a\n1\n2\n");
+}
+
+TEST(Json, HasLimits) {
+  const auto row = [](int count) {
+    std::string text = "{";
+    for (int i = 0; i < count; ++i) text += fmt::format("{}\"c{}\": 1", i > 0 ? "," : "", i);
+    return text + "}";
+  };
+  EXPECT_EQ(ErrorOf([&] { ReadJsonArrays("[" + row(1000) + "," + row(1000) + "]"); }), "");
+  EXPECT_EQ(ErrorOf([&] { ReadJsonArrays("[" + row(1001) + "]"); }),
+            "has rows of more than 1000 values");
+  const auto nested = [](int depth) {
+    std::string text = "1";
+    for (int i = 0; i < depth; ++i) text = "{\"a\": " + text + "}";
+    return text;
+  };
+  EXPECT_EQ(ErrorOf([&] { ReadJsonArrays(nested(100)); }), "");
+  EXPECT_EQ(ErrorOf([&] { ReadJsonArrays(nested(101)); }), "is nested too deeply");
+  EXPECT_EQ(ErrorOf([&] { ReadJsonArrays("[" + nested(100) + "]"); }), "");
+  EXPECT_EQ(ErrorOf([&] { ReadJsonArrays("[" + nested(101) + "]"); }), "is nested too deeply");
+}
+
+TEST(ReadJsonRow, KeepsEveryColumn) {
+  const std::vector<NamedArray> row = ReadJsonRow(R"({"a": 1, "b": null, "c": [2, 3]})");
+  ASSERT_EQ(row.size(), 4U);
+  EXPECT_EQ(row[1].name, "b");
+  EXPECT_TRUE(std::isnan(row[1].values.at(0)));
+  EXPECT_EQ(row[3].name, "c_2");
+  EXPECT_EQ(row[3].values.at(0), 3.0);
+  EXPECT_EQ(ErrorOf([] { ReadJsonRow("{"); }), "is no JSON");
+}
+
 TEST(Json, ThatIsBrokenNamesItsLine) {
   EXPECT_THAT(ErrorOf([] { ReadJsonArrays("{\"a\": 1}\n{\"a\":"); }), HasSubstr("line 2"));
   const std::string deep(100'000, '[');
@@ -298,6 +369,80 @@ TEST(FormatOfBytes, KnowsTextFromWhatIsNone) {
   EXPECT_EQ(FormatOfBytes(one_zero), FileFormat::kText);
   EXPECT_EQ(FormatOfBytes(std::string(50, '\0')), FileFormat::kBinary);
   EXPECT_EQ(FormatOfBytes(""), FileFormat::kEmpty);
+  // One zero in twenty bytes is text still.
+  EXPECT_EQ(FormatOfBytes("\0"s + std::string(19, '1')), FileFormat::kText);
+  EXPECT_EQ(FormatOfBytes("\0"s + std::string(18, '1')), FileFormat::kBinary);
+}
+
+TEST(FormatOfBytes, KnowsEveryFormatByItsBeginning) {
+  const std::string mat = "MATLAB 5.0 MAT-file" + std::string(107, ' ');
+  for (const auto& [bytes, format] : std::vector<std::pair<std::string, FileFormat>>{
+           {"\x89HDF\r\n\x1a\n", FileFormat::kHdf5},
+           {"\x93NUMPY", FileFormat::kNpy},
+           {"\x1f\x8b\b", FileFormat::kGzip},
+           {"\x28\xb5\x2f\xfd", FileFormat::kZstd},
+           {"SQLite format 3\0"s, FileFormat::kSqlite},
+           {"#ROSBAG V2.0", FileFormat::kRosBag},
+           {"\x89MCAP0\r\n", FileFormat::kMcap},
+           {"PAR1", FileFormat::kParquet},
+           {"version https://git-lfs.github.com", FileFormat::kLfsPointer},
+           {"\x1a\x45\xdf\xa3", FileFormat::kVideo},
+           {"RIFF1234AVI LIST", FileFormat::kVideo},
+           {"RIFF1234WAVEfmt", FileFormat::kText},
+           {"\1\2\3\4ftypisom", FileFormat::kVideo},
+           {"XDF:", FileFormat::kXdf},
+           {"Kaydara FBX Binary", FileFormat::kFbx},
+           {"\xff\xfe", FileFormat::kUtf16},
+           {"\xfe\xff", FileFormat::kUtf16},
+           {mat + "IM", FileFormat::kMat},
+           {mat + "MI", FileFormat::kMat},
+           {mat + "XX", FileFormat::kText},
+           {mat + "I", FileFormat::kText},
+           {"MATLAB 7.3 MAT-file" + std::string(107, ' ') + "IM", FileFormat::kHdf5},
+           {"\2\x50" + std::string(20, '\0'), FileFormat::kC3d},
+           {"\x10\x50" + std::string(20, '\0'), FileFormat::kBinary},
+           {"\1\x50" + std::string(20, '\0'), FileFormat::kBinary},
+           {"\2\x51" + std::string(20, '\0'), FileFormat::kBinary},
+           {"\2\x50,1", FileFormat::kText},
+           {"\n <?xml?><robot name='a'>", FileFormat::kUrdf},
+           {"<html>", FileFormat::kText},
+           {"t,<robot\n", FileFormat::kText},
+           {" HIERARCHY\nROOT a", FileFormat::kBvh},
+           {"hierarchy:", FileFormat::kBvh},
+           {"hierarchical", FileFormat::kText},
+           {"{\"a\": 1}", FileFormat::kJson},
+           {" [ {", FileFormat::kJson},
+           {"[1, 2]", FileFormat::kJson},
+           {"[-1.5", FileFormat::kJson},
+           {"[2026-04-27 02:16:12] 3,4", FileFormat::kText},
+           {"[", FileFormat::kText},
+           {" \n", FileFormat::kText},
+       }) {
+    EXPECT_EQ(FormatOfBytes(bytes), format) << bytes;
+  }
+}
+
+TEST(FileFormats, HaveNamesAndAWayOutWhereTheyAreNotRead) {
+  for (int i = 0; i <= static_cast<int>(FileFormat::kBinary); ++i) {
+    const auto format = static_cast<FileFormat>(i);
+    EXPECT_FALSE(NameOf(format).empty()) << i;
+    EXPECT_FALSE(NameInProfiles(format).empty()) << i;
+    EXPECT_EQ(HasTopics(format), format == FileFormat::kMcap || format == FileFormat::kSqlite ||
+                                     format == FileFormat::kRosEcho);
+  }
+  for (const auto& [format, name] : {std::pair(FileFormat::kText, "text"),
+                                     {FileFormat::kUtf16, "text"},
+                                     {FileFormat::kJson, "json"},
+                                     {FileFormat::kNpz, "npy"},
+                                     {FileFormat::kMat, "mat"},
+                                     {FileFormat::kHdf5, "hdf5"},
+                                     {FileFormat::kSqlite, "bag"},
+                                     {FileFormat::kRosEcho, "echo"},
+                                     {FileFormat::kMcap, "mcap"},
+                                     {FileFormat::kParquet, "parquet"},
+                                     {FileFormat::kTrc, "other"}}) {
+    EXPECT_EQ(NameInProfiles(format), name);
+  }
 }
 
 TEST(WithFacts, NamesColumnsAndUnitsByTheTextsBesideThem) {

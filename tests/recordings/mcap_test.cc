@@ -4,10 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -23,6 +25,7 @@
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
 #include "sim/recordings/table_source.h"
+#include "sim/tables/checksum.h"
 #include "sim/tables/file_format.h"
 #include "sim/tables/mcap_writer.h"
 #include "sim/tables/message_file.h"
@@ -567,6 +570,308 @@ TEST(McapWriter, IsReadBackWithAndWithoutItsIndex) {
       ASSERT_EQ(columns.at("b").at(row), -k / 3.0);
     }
     EXPECT_THAT(TableOfTopic(file, "/other").at("c"), ElementsAre(1, 12000));
+  }
+}
+
+// --- Records by mcap.dev/spec --------------------------------------------------------------------
+
+template <class Value>
+std::string LittleOf(Value value) {
+  std::string bytes(sizeof value, '\0');
+  std::memcpy(bytes.data(), &value, sizeof value);
+  return bytes;
+}
+std::string TextOfMcap(const std::string& text) {
+  return LittleOf(static_cast<std::uint32_t>(text.size())) + text;
+}
+std::string RecordOf(int opcode, const std::string& content) {
+  return static_cast<char>(opcode) + LittleOf(std::uint64_t{content.size()}) + content;
+}
+std::string SchemaRecord(std::uint16_t id, const std::string& name, const std::string& text) {
+  return RecordOf(3, LittleOf(id) + TextOfMcap(name) + TextOfMcap("ros2msg") + TextOfMcap(text));
+}
+std::string ChannelRecord(std::uint16_t id, std::uint16_t schema, const std::string& name,
+                          const std::string& encoding = "json") {
+  return RecordOf(4, LittleOf(id) + LittleOf(schema) + TextOfMcap(name) + TextOfMcap(encoding) +
+                         LittleOf(std::uint32_t{0}));
+}
+std::string MessageRecord(std::uint16_t channel, std::int64_t ns, const std::string& data) {
+  return RecordOf(
+      5, LittleOf(channel) + LittleOf(std::uint32_t{0}) + LittleOf(ns) + LittleOf(ns) + data);
+}
+std::string ChunkRecord(const std::string& records, const std::string& compression,
+                        std::uint64_t size, std::uint32_t crc) {
+  return RecordOf(6, LittleOf(std::int64_t{0}) + LittleOf(std::int64_t{0}) + LittleOf(size) +
+                         LittleOf(crc) + TextOfMcap(compression) +
+                         LittleOf(std::uint64_t{records.size()}) + records);
+}
+const std::string kMagicOfMcap = "\x89MCAP0\r\n";
+/// A file without a summary; `crc`: of the data, 0 for none.
+std::string McapOf(const std::string& records, std::uint32_t crc = 0) {
+  return kMagicOfMcap + RecordOf(1, TextOfMcap("") + TextOfMcap("test")) + records +
+         RecordOf(15, LittleOf(crc)) + RecordOf(2, std::string(20, '\0')) + kMagicOfMcap;
+}
+
+std::string TableOfMcap(const std::string& bytes) {
+  return test::TextFromPipe([&](PipeWriter& pipe) { WriteTopicTable(*ReadMcap(bytes), "", pipe); });
+}
+std::string ErrorOfMcap(const std::string& bytes) {
+  try {
+    TableOfMcap(bytes);
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Mcap, WithoutASummaryIsReadByItsRecords) {
+  const std::string channel = ChannelRecord(7, 0, "/a");
+  const std::string first = MessageRecord(7, 2000000000, R"({"x": 1})");
+  const std::string second = MessageRecord(7, 3000000000, R"({"x": 2})");
+  const std::string table = "time_s,x\n2,1\n3,2\n";
+  const std::string all = channel + first + second;
+  EXPECT_EQ(TableOfMcap(McapOf(all)), table);
+  // Records of other kinds, attachments say, are passed over, also where they are large.
+  EXPECT_EQ(TableOfMcap(McapOf(channel + RecordOf(9, std::string(700'000, 'x')) + first +
+                               RecordOf(0x80, "private") + second)),
+            table);
+  // The checksum of the data is that of all bytes before its end.
+  const std::string whole = McapOf(all);
+  const std::string data = whole.substr(0, whole.size() - 8 - 29 - 13);
+  EXPECT_EQ(TableOfMcap(McapOf(all, Crc32Of(data))), table);
+  EXPECT_THAT(ErrorOfMcap(McapOf(all, Crc32Of(data) ^ 1)),
+              HasSubstr("it does not have its checksum"));
+  const std::string large = channel + RecordOf(9, std::string(700'000, 'x')) + first + second;
+  const std::string large_file = McapOf(large);
+  const std::uint32_t sum = Crc32Of(large_file.substr(0, large_file.size() - 8 - 29 - 13));
+  EXPECT_EQ(TableOfMcap(McapOf(large, sum)), table);
+  // Two channels of one topic, and a schema that is given again.
+  EXPECT_EQ(TableOfMcap(McapOf(channel + ChannelRecord(8, 0, "/a") + first +
+                               MessageRecord(8, 3000000000, R"({"x": 2})"))),
+            table);
+}
+
+TEST(Mcap, WithChunksIsReadByTheirRecords) {
+  const std::string records = ChannelRecord(0, 0, "/a") +
+                              MessageRecord(0, 2000000000, R"({"x": 1})") +
+                              MessageRecord(0, 3000000000, R"({"x": 2})");
+  const std::string table = "time_s,x\n2,1\n3,2\n";
+  const std::uint64_t size = records.size();
+  const std::uint32_t crc = Crc32Of(records);
+  EXPECT_EQ(TableOfMcap(McapOf(ChunkRecord(records, "", size, crc))), table);
+  EXPECT_EQ(TableOfMcap(McapOf(ChunkRecord(records, "", size, 0))), table);
+  // A checksum of the data is not compared then: chunks have their own.
+  EXPECT_EQ(TableOfMcap(McapOf(ChunkRecord(records, "", size, crc), 5)), table);
+  const struct {
+    std::string chunk;
+    const char* problem;
+  } known[] = {
+      {ChunkRecord(records, "", size, crc ^ 1), "a chunk does not have its checksum"},
+      {ChunkRecord(records, "", size + 1, 0), "a chunk has another size than it says"},
+      {ChunkRecord(records, "", size - 1, 0), "a chunk has another size than it says"},
+      {ChunkRecord(records, "zstd", size, crc), "a chunk is not whole"},
+      {ChunkRecord(records, "lz4", size, crc), "a chunk is not whole"},
+      {ChunkRecord(records, "brotli", size, crc), "is compressed by brotli, which is not read"},
+      {ChunkRecord(records, "", (1U << 28) + 1, 0), "has a chunk of 256 MB, must be at most 256"},
+  };
+  for (const auto& [chunk, problem] : known) {
+    EXPECT_THAT(ErrorOfMcap(McapOf(chunk)), HasSubstr(problem));
+  }
+}
+
+TEST(Mcap, WhoseRecordsDoNotFitIsRefused) {
+  const std::string schema = SchemaRecord(1, "p/msg/T", "float64 x\n");
+  const std::string message = MessageRecord(0, 1, R"({"x": 1})");
+  EXPECT_THAT(ErrorOfMcap(McapOf(ChannelRecord(0, 7, "/a") + message)),
+              HasSubstr("the schema of /a is missing"));
+  EXPECT_THAT(ErrorOfMcap(McapOf(message)), HasSubstr("a message has an unknown channel"));
+  EXPECT_THAT(ErrorOfMcap("\x89MCAP1\r\n" + std::string(50, 'x')),
+              HasSubstr("it does not begin as MCAP"));
+  for (const std::string& other :
+       {ChannelRecord(1, 0, "/a"), ChannelRecord(1, 1, "/a", "cdr"),
+        SchemaRecord(2, "p/msg/T", "int8 y\n") + ChannelRecord(1, 2, "/a"),
+        SchemaRecord(2, "p/msg/U", "float64 x\n") + ChannelRecord(1, 2, "/a")}) {
+    const std::unique_ptr<MessageFile> file =
+        ReadMcap(McapOf(schema + ChannelRecord(0, 1, "/a") + other + message));
+    EXPECT_EQ(file->topics()[0].problem, "its messages are of several types");
+  }
+  EXPECT_EQ(
+      ReadMcap(McapOf(schema + ChannelRecord(0, 1, "/a") + ChannelRecord(1, 1, "/a") + message))
+          ->topics()[0]
+          .problem,
+      "");
+}
+
+/// Takes numbers and texts off the front of a record.
+class RecordBytes {
+ public:
+  explicit RecordBytes(std::string_view rest) : rest_(rest) {}
+  template <class Value>
+  Value Take() {
+    Value value;
+    EXPECT_GE(rest_.size(), sizeof value);
+    std::memcpy(&value, rest_.data(), sizeof value);
+    rest_.remove_prefix(sizeof value);
+    return value;
+  }
+  std::string Text() {
+    const auto size = Take<std::uint32_t>();
+    const std::string text(rest_.substr(0, size));
+    rest_.remove_prefix(size);
+    return text;
+  }
+  std::string_view rest() const { return rest_; }
+
+ private:
+  std::string_view rest_;
+};
+
+// Every field that another reader may look at.
+TEST(McapWriter, WritesWhatTheSpecificationSays) {
+  std::string bytes;
+  McapWriter writer([&](std::string_view part) { bytes.append(part); });
+  const std::uint16_t a = writer.AddTopic("/a", "p/msg/T", "float64[] x\n");
+  const std::uint16_t b = writer.AddTopic("/b", "p/msg/T", "float64[] x\n");
+  const std::uint16_t c = writer.AddTopic("/c", "p/msg/U", "uint8 y\n");
+  const std::string data(300'000, 'd');
+  const std::vector<std::pair<std::uint16_t, std::int64_t>> messages = {
+      {a, 50}, {b, 40}, {a, 60}, {a, 70}, {a, 80}, {b, 20}, {a, 90}};
+  for (const auto& [topic, ns] : messages) writer.AddMessage(topic, ns, data);
+  writer.Finish();
+  ASSERT_TRUE(bytes.starts_with(kMagicOfMcap));
+  ASSERT_TRUE(bytes.ends_with(kMagicOfMcap));
+  struct ChunkFacts {
+    std::int64_t first_ns = 0, last_ns = 0;
+    std::uint64_t at = 0, bytes = 0, size = 0, stored = 0, index_bytes = 0;
+    std::map<std::uint16_t, std::uint64_t> indexes = {};
+  };
+  std::vector<ChunkFacts> chunks, indexed;
+  std::map<std::uint16_t, std::uint32_t> counts;
+  std::size_t summary_at = 0, schemas = 0, channels = 0;
+  std::size_t seen = 0;  // messages
+  std::string records;   // of the last chunk
+  for (std::size_t at = 8; at + 8 < bytes.size();) {
+    RecordBytes head(std::string_view(bytes).substr(at));
+    const int opcode = head.Take<std::uint8_t>();
+    const auto length = head.Take<std::uint64_t>();
+    RecordBytes record(head.rest().substr(0, length));
+    if (opcode == 1) {
+      EXPECT_EQ(record.Text(), "ros2");
+    } else if (opcode == 6) {
+      ChunkFacts chunk = {.first_ns = record.Take<std::int64_t>(),
+                          .last_ns = record.Take<std::int64_t>()};
+      chunk.at = at;
+      chunk.bytes = 9 + length;
+      chunk.size = record.Take<std::uint64_t>();
+      const auto crc = record.Take<std::uint32_t>();
+      EXPECT_EQ(record.Text(), "zstd");
+      chunk.stored = record.Take<std::uint64_t>();
+      EXPECT_EQ(record.rest().size(), chunk.stored);
+      records.assign(chunk.size, '\0');
+      EXPECT_EQ(ZSTD_decompress(records.data(), records.size(), record.rest().data(), chunk.stored),
+                chunk.size);
+      EXPECT_EQ(Crc32Of(records), crc);
+      std::int64_t first_ns = INT64_MAX, last_ns = 0;
+      for (std::size_t place = 0; place < records.size();) {
+        RecordBytes inner_head(std::string_view(records).substr(place));
+        const int inner = inner_head.Take<std::uint8_t>();
+        const auto inner_length = inner_head.Take<std::uint64_t>();
+        RecordBytes message(inner_head.rest().substr(0, inner_length));
+        place += 9 + inner_length;
+        if (inner != 5) continue;
+        const auto& [topic, ns] = messages.at(seen++);
+        EXPECT_EQ(message.Take<std::uint16_t>(), topic);
+        EXPECT_EQ(message.Take<std::uint32_t>(), counts[topic]++);
+        EXPECT_EQ(message.Take<std::int64_t>(), ns);
+        EXPECT_EQ(message.Take<std::int64_t>(), ns);
+        EXPECT_EQ(message.rest(), data);
+        first_ns = std::min(first_ns, ns);
+        last_ns = std::max(last_ns, ns);
+      }
+      EXPECT_EQ(chunk.first_ns, first_ns);
+      EXPECT_EQ(chunk.last_ns, last_ns);
+      chunks.push_back(chunk);
+    } else if (opcode == 7) {
+      chunks.back().index_bytes += 9 + length;
+      const auto channel = record.Take<std::uint16_t>();
+      chunks.back().indexes[channel] = at;
+      RecordBytes entries(record.rest());
+      EXPECT_EQ(entries.Take<std::uint32_t>(), record.rest().size() - 4);
+      while (!entries.rest().empty()) {
+        const auto ns = entries.Take<std::int64_t>();
+        const auto place = entries.Take<std::uint64_t>();
+        EXPECT_EQ(records.substr(place, 9 + 14), MessageRecord(channel, ns, data).substr(0, 11) +
+                                                     records.substr(place + 11, 4) + LittleOf(ns));
+      }
+    } else if (opcode == 15) {
+      EXPECT_EQ(record.Take<std::uint32_t>(), 0U);
+      summary_at = at + 9 + length;
+    } else if (opcode == 3) {
+      EXPECT_EQ(record.Take<std::uint16_t>(), ++schemas);
+      EXPECT_EQ(record.Text(), schemas == 1 ? "p/msg/T" : "p/msg/U");
+      EXPECT_EQ(record.Text(), "ros2msg");
+      EXPECT_EQ(record.Text(), schemas == 1 ? "float64[] x\n" : "uint8 y\n");
+    } else if (opcode == 4) {
+      EXPECT_EQ(record.Take<std::uint16_t>(), channels);
+      EXPECT_EQ(record.Take<std::uint16_t>(), channels == c ? 2 : 1);
+      EXPECT_EQ(record.Text(), channels == a ? "/a" : channels == b ? "/b" : "/c");
+      EXPECT_EQ(record.Text(), "cdr");
+      EXPECT_EQ(record.Text(), "");
+      ++channels;
+    } else if (opcode == 8) {
+      ChunkFacts chunk = {.first_ns = record.Take<std::int64_t>(),
+                          .last_ns = record.Take<std::int64_t>()};
+      chunk.at = record.Take<std::uint64_t>();
+      chunk.bytes = record.Take<std::uint64_t>();
+      const auto entries_bytes = record.Take<std::uint32_t>();
+      RecordBytes entries(record.rest().substr(0, entries_bytes));
+      while (!entries.rest().empty()) {
+        const auto channel = entries.Take<std::uint16_t>();
+        chunk.indexes[channel] = entries.Take<std::uint64_t>();
+      }
+      record = RecordBytes(record.rest().substr(entries_bytes));
+      chunk.index_bytes = record.Take<std::uint64_t>();
+      EXPECT_EQ(record.Text(), "zstd");
+      chunk.stored = record.Take<std::uint64_t>();
+      chunk.size = record.Take<std::uint64_t>();
+      indexed.push_back(chunk);
+    } else if (opcode == 11) {
+      EXPECT_EQ(record.Take<std::uint64_t>(), messages.size());
+      EXPECT_EQ(record.Take<std::uint16_t>(), 2);
+      EXPECT_EQ(record.Take<std::uint32_t>(), 3U);
+      EXPECT_EQ(record.Take<std::uint32_t>(), 0U);  // attachments
+      EXPECT_EQ(record.Take<std::uint32_t>(), 0U);  // metadata
+      EXPECT_EQ(record.Take<std::uint32_t>(), chunks.size());
+      EXPECT_EQ(record.Take<std::int64_t>(), 20);
+      EXPECT_EQ(record.Take<std::int64_t>(), 90);
+      RecordBytes entries(record.rest().substr(4));
+      std::map<std::uint16_t, std::uint64_t> found;
+      while (!entries.rest().empty()) {
+        const auto channel = entries.Take<std::uint16_t>();
+        found[channel] = entries.Take<std::uint64_t>();
+      }
+      EXPECT_EQ(found, (std::map<std::uint16_t, std::uint64_t>{{a, 5}, {b, 2}, {c, 0}}));
+    } else if (opcode == 2) {
+      EXPECT_EQ(record.Take<std::uint64_t>(), summary_at);
+      EXPECT_EQ(record.Take<std::uint64_t>(), 0U);  // no offsets of the summary
+      EXPECT_EQ(record.Take<std::uint32_t>(),
+                Crc32Of(bytes.substr(summary_at, bytes.size() - summary_at - 12)));
+    }
+    at += 9 + length;
+  }
+  EXPECT_EQ(seen, messages.size());
+  EXPECT_EQ(channels, 3U);
+  ASSERT_EQ(chunks.size(), 2U);  // of a megabyte
+  ASSERT_EQ(indexed.size(), 2U);
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    EXPECT_EQ(indexed[i].first_ns, chunks[i].first_ns);
+    EXPECT_EQ(indexed[i].last_ns, chunks[i].last_ns);
+    EXPECT_EQ(indexed[i].at, chunks[i].at);
+    EXPECT_EQ(indexed[i].bytes, chunks[i].bytes);
+    EXPECT_EQ(indexed[i].size, chunks[i].size);
+    EXPECT_EQ(indexed[i].stored, chunks[i].stored);
+    EXPECT_EQ(indexed[i].index_bytes, chunks[i].index_bytes);
+    EXPECT_EQ(indexed[i].indexes, chunks[i].indexes);
   }
 }
 

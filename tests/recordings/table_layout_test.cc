@@ -1,9 +1,14 @@
 #include "sim/tables/table_layout.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "sim/base/error.h"
 #include "sim/recordings/time_guess.h"
@@ -91,6 +96,141 @@ TEST(FindTable, RefusesTextsWithoutARow) {
   }
 }
 
+/// The problem of a text; empty: it is read.
+std::string ProblemOf(const std::string& text) {
+  try {
+    LayoutOf(text);
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FindTable, TakesNamesFromEveryFormOfHeader) {
+  const struct {
+    const char* text;
+    std::vector<std::string> names;
+    int skipped_lines;
+    bool has_header;
+  } known[] = {
+      {"a,b\n0,1\n1,2\n", {"a", "b"}, 0, true},
+      {"a\tb\n0\t1\n1\t2\n", {"a", "b"}, 0, true},
+      {"x\na,b\n0,1\n1,2\n", {"a", "b"}, 1, true},
+      // Groups above names that are not told apart, and above ones that are.
+      {"Index,,Thumb,\nx,y,x,y\n0,1,2,3\n1,2,3,4\n",
+       {"Index x", "Index y", "Thumb x", "Thumb y"},
+       2,
+       false},
+      {"Index,,Thumb,\nx,y,z,w\n0,1,2,3\n1,2,3,4\n", {"x", "y", "z", "w"}, 1, true},
+      // pandas: the name of the index stands alone below those of the columns.
+      {",a,b\nt,,\n0,1,2\n1,2,3\n", {"t", "a", "b"}, 2, false},
+      // One name too few: that of the first column, or of the last behind a time.
+      {"a,b\n0,1,2\n1,2,3\n", {"", "a", "b"}, 0, true},
+      {"time,a\n0,1,2\n1,2,3\n", {"time", "a", ""}, 0, true},
+      // One too many.
+      {"a,b,c\n0,1\n1,2\n", {"a", "b"}, 1, false},
+      // An empty line between names and rows, and above the names.
+      {"note\n\na,b\n\n0,1\n1,2\n", {"a", "b"}, 2, true},
+      // In comments, with separators of their own.
+      {"#a;b\n0,1\n1,2\n", {"a", "b"}, 0, false},
+      {"# said by hand\n0,1\n1,2\n", {"", ""}, 0, false},
+      {"0,1\n1,2\n", {"", ""}, 0, false},
+  };
+  for (const auto& [text, names, skipped_lines, has_header] : known) {
+    const TableLayout layout = LayoutOf(text);
+    EXPECT_EQ(layout.names, names) << text;
+    EXPECT_EQ(layout.skipped_lines, skipped_lines) << text;
+    EXPECT_EQ(layout.has_header, has_header) << text;
+  }
+}
+
+TEST(FindTable, TellsWhatIsBesideTheTable) {
+  EXPECT_EQ(LayoutOf("a,b,c\n0,1\n1,2\n").extra_name, "c");
+  EXPECT_EQ(LayoutOf("a,b,\n0,1\n1,2\n").extra_name, "''");
+  EXPECT_EQ(LayoutOf("a,b\n0,1\n1,2\n").extra_name, "");
+  EXPECT_EQ(LayoutOf("5,6,7\n8,9,10\nx\na,b\n0,1\n1,2\n2,3\n").rows_before, 2U);
+  EXPECT_EQ(LayoutOf("x\na,b\n0,1\n1,2\n").rows_before, 0U);
+  // Names inside the table: other ones, half of the known or more, or behind an empty line.
+  const std::string head = "a,b,c,d\n0,1,2,3\n1,2,3,4\n";
+  EXPECT_EQ(LayoutOf(head + "b,a,x,y\n2,3,4,5\n").second_names_line, 4U);
+  EXPECT_EQ(LayoutOf(head + "a,w,x,y\n2,3,4,5\n").second_names_line, 0U);
+  EXPECT_EQ(LayoutOf(head + "\nv,w,x,y\n2,3,4,5\n").second_names_line, 5U);
+  EXPECT_EQ(LayoutOf(head + "a,b,c,d\n2,3,4,5\n").second_names_line, 0U);  // the same
+  EXPECT_EQ(LayoutOf(head + "b,b,a,a\n2,3,4,5\n").second_names_line, 0U);  // not told apart
+  EXPECT_EQ(LayoutOf(head + "b,a,x,1\n2,3,4,5\n").second_names_line, 0U);
+}
+
+TEST(FindTable, RefusesRowsOfTwoWidthsAndCommasOfTwoMeanings) {
+  EXPECT_THAT(ProblemOf("a,b\n1,5,2,5\n1,6,2,6\n"),
+              testing::HasSubstr("has 2 names above 4 values; are there decimal commas"));
+  EXPECT_EQ(ProblemOf("a,b\n1,5,2\n1,6,2\n"), "");          // one more: a name is missing
+  EXPECT_EQ(ProblemOf("a,b\n1,5,2,5,9\n1,6,2,6,9\n"), "");  // more than twice
+  EXPECT_EQ(ProblemOf("a,b\n1,5.5,2,5\n1,6.5,2,6\n"), "");  // no whole numbers
+  const auto rows = [](int narrow, int wide) {
+    std::string text = "t,a,b\n";
+    for (int i = 0; i < wide; ++i) text += "0.5,1,2,3,4\n";
+    for (int i = 0; i < narrow; ++i) text += "0.5,1,2\n";
+    return ProblemOf(text);
+  };
+  EXPECT_THAT(rows(4, 10),
+              testing::HasSubstr("has rows of 3 and of 5 values, and the header names 3"));
+  EXPECT_THAT(rows(2, 90), testing::HasSubstr("has rows of 3 and of 5 values"));
+  EXPECT_EQ(rows(1, 90), "");  // seldom
+}
+
+TEST(FindTable, RefusesARowPerChannel) {
+  const auto table = [](int rows, int columns) {
+    std::string text;
+    for (int row = 0; row < rows; ++row) {
+      text += "0";
+      for (int c = 1; c < columns; ++c) text += ",1";
+      text += "\n";
+    }
+    return ProblemOf(text);
+  };
+  EXPECT_THAT(table(63, 257), testing::HasSubstr("has a row per channel (63 rows of 257 values)"));
+  EXPECT_EQ(table(64, 257), "");
+  EXPECT_EQ(table(63, 256), "");
+  std::string named = "a0";
+  for (int c = 1; c < 257; ++c) named += ",a" + std::to_string(c);
+  std::string row = "0";
+  for (int c = 1; c < 257; ++c) row += ",1";
+  EXPECT_EQ(ProblemOf(named + "\n" + row + "\n" + row + "\n"), "");
+}
+
+TEST(FindTable, BeginsWithTheRowsInWhichMostIsMissing) {
+  EXPECT_EQ(LayoutOf("a,b,c,d\n0,,,\n1,,,\n2,5,6,7\n3,5,6,7\n4,5,6,7\n").rows.size(), 5U);
+  // Rows with a remark behind them, or without their last value, up to the names.
+  EXPECT_EQ(LayoutOf("a,b,c\n0,1,2,x\n1,2,3\n2,3,4\n").skipped_lines, 0);
+  EXPECT_EQ(LayoutOf("a,b,c\n0,1\n1,2,3\n2,3,4\n").skipped_lines, 0);
+}
+
+TEST(FindTable, FindsDecimalCommas) {
+  for (const auto& [text, has_comma] : {std::pair("a;b\n0;1,5\n1;2\n", true),
+                                        {"a;b\n0;1.5\n1;2\n", false},
+                                        {"a,b\n0,1\n1,2\n", false},
+                                        {"a;b\n12:00:00,5;1\n12:00:01,5;2\n", false}}) {
+    EXPECT_EQ(LayoutOf(text).decimal_comma, has_comma) << text;
+  }
+  const TableLayout layout = LayoutOf("a;b\n0;1,5\n1;2\n");
+  EXPECT_EQ(NumberIn(layout, "1,5"), 1.5);
+}
+
+TEST(KindOf, IsThatOfMostCells) {
+  const auto kind = [](const std::vector<std::string>& cells) {
+    TableLayout layout;
+    for (const std::string& cell : cells) layout.rows.push_back({cell});
+    return KindOf(layout, 0);
+  };
+  EXPECT_EQ(kind({"1", "2", "x"}), CellKind::kNumber);
+  EXPECT_EQ(kind({"1", "x"}), CellKind::kNumber);
+  EXPECT_EQ(kind({"1", "x", "y"}), CellKind::kText);
+  EXPECT_EQ(kind({"12:00", "12:01", "1", "x", "y"}), CellKind::kTime);
+  EXPECT_EQ(kind({"12:00", "1"}), CellKind::kNumber);
+  EXPECT_EQ(kind({"", "nan", "x"}), CellKind::kText);
+  EXPECT_EQ(kind({"", "nan"}), CellKind::kNumber);
+}
+
 /// Units of the columns that are the time, in their order.
 std::string TimeOf(const std::string& header, const std::vector<std::string>& times) {
   std::string text = header + "\n";
@@ -151,6 +291,98 @@ TEST(TimeByName, TakesNoColumnByItsValuesAlone) {
   EXPECT_EQ(scales("thumb,time_s\n" + rows), "1 ");
   EXPECT_EQ(scales("pc_time_s,time_s\n" + rows), "0 ");
   EXPECT_EQ(scales("a,Time\n1,14:10:49.000\n"), "1t ");
+}
+
+/// Rows of these columns, each a function of the row.
+std::string Rows(const std::string& names, int count,
+                 const std::vector<std::function<double(int)>>& columns) {
+  std::string text = names + "\n";
+  for (int row = 0; row < count; ++row) {
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      text += (c > 0 ? "," : "") + std::to_string(columns[c](row));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+TEST(ClocksBeside, RunAsLongAsTheTimeInSOrMsOrUs) {
+  const auto time = [](int row) { return 0.02 * row; };
+  const auto clocks = [&](const std::string& name, double per_s, int count = 100,
+                          double wave = 0.0) {
+    const TableLayout layout = LayoutOf(
+        Rows("time_s," + name, count,
+             {time, [&](int row) { return 5e3 + per_s * 0.02 * row + wave * std::sin(row); }}));
+    return ClocksBeside(TimeByName("in", layout), layout).size();
+  };
+  for (const double per_s : {1e3, 1e6}) EXPECT_EQ(clocks("x", per_s), 1U) << per_s;
+  EXPECT_EQ(clocks("x", 1.0), 0U);  // with fractions, and no name of a time
+  EXPECT_EQ(clocks("clock", 1.0), 1U);
+  EXPECT_EQ(clocks("x", 1e4), 0U);
+  EXPECT_EQ(clocks("x", 1e3, 10), 1U);
+  EXPECT_EQ(clocks("x", 1e3, 9), 0U);
+  EXPECT_EQ(clocks("clock", 1.03e3), 1U);  // within 2 % and two intervals
+  EXPECT_EQ(clocks("clock", 1.05e3), 0U);
+  EXPECT_EQ(clocks("clock", 1e3, 100, 50.0), 0U);  // one that goes back
+}
+
+TEST(ColumnsAside, AreNumbersOfRowsAndOtherTimesByName) {
+  const TableLayout layout =
+      LayoutOf(Rows("time_s,frame,index_mcp,label_id,pc_ms", 50,
+                    {[](int row) { return 0.02 * row; }, [](int row) { return row; },
+                     [](int row) { return 30.0 + 20.0 * std::sin(row); },
+                     [](int row) { return row % 3; }, [](int row) { return 20.0 * row + 7.0; }}));
+  const std::vector<std::size_t> aside = ColumnsAside(TimeByName("in", layout), layout);
+  EXPECT_THAT(aside, testing::IsSupersetOf({std::size_t{1}, std::size_t{4}}));
+  EXPECT_THAT(aside, testing::Not(testing::Contains(2U)));
+}
+
+TEST(MidnightClock, GoesOnBehindMidnight) {
+  MidnightClock clock({TimeMapping{.column = 0, .is_text = true}});
+  EXPECT_EQ(clock.Add(86399.0), 86399.0);
+  EXPECT_EQ(clock.Add(1.0), 86401.0);
+  EXPECT_EQ(clock.Add(86399.5), 2 * 86400.0 - 0.5);
+  EXPECT_EQ(clock.Add(0.0), 2 * 86400.0);
+  MidnightClock back({TimeMapping{.column = 0, .is_text = true}});
+  EXPECT_EQ(back.Add(83000.0), 83000.0);
+  EXPECT_EQ(back.Add(200.0), 200.0);  // 23 h are no midnight
+  EXPECT_EQ(back.Add(83001.0), 83001.0);
+  EXPECT_EQ(back.Add(200.0), 86600.0);
+  MidnightClock date({TimeMapping{.column = 0, .is_text = true}});
+  EXPECT_EQ(date.Add(90000.0), 90000.0);
+  EXPECT_EQ(date.Add(1.0), 1.0);  // a date knows its day
+  MidnightClock number({TimeMapping{.column = 0}});
+  number.Add(86399.0);
+  EXPECT_EQ(number.Add(1.0), 1.0);
+}
+
+TEST(GuessTime, KnowsNumbersThatCountFromADate) {
+  const auto unit = [](double first, double step) {
+    std::string text = "clock,a\n";
+    for (int row = 0; row < 5; ++row) text += fmt::format("{:.17g},0.5\n", first + row * step);
+    const TimeGuess time = GuessTime(LayoutOf(text));
+    return time.parts.empty() ? "" : UnitOfTime(time.parts[0]);
+  };
+  constexpr double kDay = 1.0 / 86400.0;
+  EXPECT_EQ(unit(739000.0, 0.02 * kDay), "day");  // datenum of MATLAB
+  EXPECT_EQ(unit(45000.0, 0.02 * kDay), "day");   // of a spreadsheet
+  EXPECT_EQ(unit(45000.0, 20.0 * kDay), "");      // no rate of a glove
+  EXPECT_EQ(unit(6.38e17, 2e5), "ticks");
+  EXPECT_EQ(unit(1.33e17, 2e5), "ticks");
+  EXPECT_EQ(unit(1.7e18, 2e7), "ns");
+  EXPECT_EQ(unit(1.7e15, 2e4), "us");
+  EXPECT_EQ(unit(1.7e12, 20.0), "ms");
+  EXPECT_EQ(unit(1.7e9, 0.02), "s");
+  EXPECT_EQ(unit(4.9e8, 0.02), "");
+  EXPECT_EQ(unit(80000.0, 0.02 * kDay), "");
+}
+
+TEST(GuessTime, AddsPartsByTheirNames) {
+  EXPECT_EQ(TimeOf("hour,minute,second,a", {"1,2,3.00", "1,2,3.02", "1,2,3.04"}), "h min s ");
+  EXPECT_EQ(TimeOf("day,hh,mm,ss,ms,a", {"1,1,2,3,0", "1,1,2,3,20", "1,1,2,3,40"}),
+            "day h min s ms ");
+  EXPECT_EQ(TimeOf("min,sec,a", {"1,2.00", "1,2.02", "1,2.04"}), "min s ");
+  EXPECT_EQ(TimeOf("day,sec,nsec,a", {"1,2,0", "1,2,20000000", "1,2,40000000"}), "s ns ");
 }
 
 }  // namespace

@@ -99,6 +99,116 @@ TEST(CsvReader, OfATableThatIsCutHasItsRowsAndARemark) {
       ElementsAre("left out: b"));
 }
 
+TEST(CsvReader, OfATableTellsHowMuchIsRead) {
+  CsvReader reader("in", Mixed(), ProblemHandling::kRepair);
+  std::vector<std::string> cells;
+  for (const double share : {0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0}) {
+    EXPECT_EQ(reader.share_read(), share);
+    EXPECT_EQ(reader.NextRow(cells), share < 1.0);
+  }
+  EXPECT_THAT(CsvReader("in", TextSource("a\n1\n"), ProblemHandling::kRepair).share_read(),
+              IsNan());
+}
+
+TEST(CsvReader, OfATableGivesItsFirstRowsUpToALimitOfBytes) {
+  CsvReader reader("in", Mixed(), ProblemHandling::kRepair);
+  EXPECT_EQ(reader.FirstRows(2, 0).size(), 2U);
+  // A row is its texts and a byte behind each: `00:00:01`, `0.1`, `left`.
+  EXPECT_EQ(reader.FirstRows(9, 0, 18).size(), 1U);
+  EXPECT_EQ(reader.FirstRows(9, 0, 19).size(), 2U);
+  EXPECT_EQ(reader.FirstRows(9, 0).size(), 3U);
+  std::vector<std::string> cells;
+  ASSERT_TRUE(reader.NextRow(cells));
+  EXPECT_THAT(cells, ElementsAre("00:00:01", "0.1", "left"));
+}
+
+TEST(CsvReader, GivesRowsOfAnotherWidthAsTextsOfTheirs) {
+  std::vector<RecordingProblem> problems;
+  CsvReader reader("in", TextSource("a,b,c\n1,2\n1,2,3,4\n1,2,3,\n"), ProblemHandling::kRepair,
+                   [&](RecordingProblem problem, std::size_t) { problems.push_back(problem); });
+  std::vector<std::string> cells;
+  ASSERT_TRUE(reader.NextRow(cells));
+  EXPECT_THAT(cells, ElementsAre("1", "2", ""));
+  ASSERT_TRUE(reader.NextRow(cells));
+  EXPECT_THAT(cells, ElementsAre("1", "2", "3"));
+  ASSERT_TRUE(reader.NextRow(cells));
+  EXPECT_FALSE(reader.NextRow(cells));
+  EXPECT_THAT(problems,
+              ElementsAre(RecordingProblem::kTruncatedRow, RecordingProblem::kRowTooLong));
+}
+
+TEST(CsvReader, KeepsRowsByTheirText) {
+  for (const bool is_table : {false, true}) {
+    const TableInput input =
+        is_table ? TableInput(Mixed())
+                 : TableInput(TextSource("time,a,hand\n1,1,left\n2,2,right\n3,3,left\n"));
+    CsvReader reader("in", input, ProblemHandling::kRepair);
+    reader.Ignore(0);
+    reader.KeepRows(2, [](std::string_view text) { return text == "right"; });
+    std::vector<double> row(3);
+    ASSERT_TRUE(reader.NextRow(row));
+    EXPECT_EQ(reader.row(), 3U);
+    EXPECT_EQ(row[2], 1.0);
+    EXPECT_FALSE(reader.NextRow(row));
+  }
+}
+
+TEST(CsvReader, NumbersTheFirst4096Texts) {
+  std::string text = "a,b\n";
+  for (int i = 0; i < 4098; ++i) text += "t" + std::to_string(i) + ",1\n";
+  text += ",1\nt1,1\n";
+  CsvReader reader("in", TextSource(text), ProblemHandling::kRepair);
+  reader.ReadAsTexts(0);
+  std::vector<double> row(2);
+  for (int i = 0; i < 4098; ++i) {
+    ASSERT_TRUE(reader.NextRow(row));
+    EXPECT_TRUE(i < 4096 ? row[0] == i : std::isnan(row[0])) << i;
+  }
+  ASSERT_TRUE(reader.NextRow(row));
+  EXPECT_THAT(row[0], IsNan());
+  ASSERT_TRUE(reader.NextRow(row));
+  EXPECT_EQ(row[0], 1.0);
+}
+
+TEST(CsvReader, ShowsNoLettersOfWhatMayBeNoTable) {
+  CsvReader one("in", TextSource("a\n1\n"), ProblemHandling::kRepair);
+  CsvReader two("in", TextSource("a,b\n1,2\n"), ProblemHandling::kRepair);
+  EXPECT_EQ(one.Quoted("secret"), "'...'");
+  EXPECT_EQ(two.Quoted("secret"), "'secret'");
+  EXPECT_EQ(two.Quoted("\xc3\xa4 b c"), "'...'");
+  EXPECT_EQ(one.Quoted("12-34"), "'12-34'");
+  EXPECT_EQ(two.Quoted(std::string(40, '1')).size(), two.Quoted(std::string(31, '1')).size());
+  EXPECT_EQ(two.Quoted(std::string(30, '1')), "'" + std::string(30, '1') + "'");
+}
+
+TEST(CsvReader, HandlesAMissingValueAsAsked) {
+  for (const auto handling : {ProblemHandling::kStrict, ProblemHandling::kRepair,
+                              ProblemHandling::kRemove, ProblemHandling::kAllowMissing}) {
+    const bool is_refused = handling == ProblemHandling::kStrict;
+    for (const char* cell : {"", "nan", "NA"}) {
+      int problems = 0;
+      const std::string text = std::string("a,b\n1,") + cell + "\n";
+      CsvReader reader("in", TextSource(text), handling,
+                       [&](RecordingProblem, std::size_t) { ++problems; });
+      std::vector<double> row(2);
+      if (is_refused) {
+        EXPECT_THROW(reader.NextRow(row), UserError);
+        continue;
+      }
+      ASSERT_TRUE(reader.NextRow(row));
+      EXPECT_THAT(row[1], IsNan());
+      EXPECT_EQ(problems, handling == ProblemHandling::kAllowMissing ? 0 : 1);
+    }
+    CsvReader other("in", TextSource("a,b\n1,x\n"), handling);
+    std::vector<double> row(2);
+    if (GoesOn(handling)) {
+      EXPECT_TRUE(other.NextRow(row));
+    } else {
+      EXPECT_THROW(other.NextRow(row), UserError);
+    }
+  }
+}
+
 // The digits that are there may not be all of a number.
 TEST(TableOfText, LeavesOutALastRowThatIsCut) {
   const std::string text = "t\ta\n0\t1.5\n1\t2.5\n2\t3";
@@ -110,6 +220,11 @@ TEST(TableOfText, LeavesOutALastRowThatIsCut) {
   EXPECT_EQ(cut.rows, 2U);
   EXPECT_THAT(cut.columns[1].numbers, ElementsAre(1.5, 2.5));
   EXPECT_THAT(cut.remarks, ElementsAre("the header says 9 rows, the file has 2, which are read"));
+  const std::string texts = "t\ta\n0\tx\n1\ty\n2\tz";
+  const Table words = TableOfText({"in", TextSource(texts), ProblemHandling::kRepair}, 9, false);
+  EXPECT_THAT(words.columns[1].texts, ElementsAre("x", "y"));
+  EXPECT_TRUE(words.columns[1].numbers.empty());
+  EXPECT_TRUE(words.columns[0].texts.empty());
   for (const auto& whole : {read(3, false), read(std::nullopt, false), read(9, true)}) {
     EXPECT_FALSE(whole.is_cut);
     EXPECT_THAT(whole.columns[1].numbers, ElementsAre(1.5, 2.5, 3.0));

@@ -1,9 +1,11 @@
 // Texts whose rows are no plain rows of numbers become tables.
 #include "sim/tables/text_forms.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "sim/tables/csv_reader.h"
@@ -53,6 +55,53 @@ TEST(PlainTable, SpreadsListsOverColumns) {
             "t,a_1,a_2\n0,1,2\n# 1,[1 2 3]\n2,3,4\n");
 }
 
+TEST(PlainTable, JoinsListsOverLinesUpToALimit) {
+  const auto list = [](int lines) {
+    std::string text = "t,a\n0,[1";
+    for (int i = 0; i < lines; ++i) text += "\n 2";
+    return text + "]\n";
+  };
+  const std::string joined = PlainOf(list(64));
+  EXPECT_THAT(joined, StartsWith("t,a_1,a_2,"));
+  EXPECT_EQ(std::ranges::count(joined, '\n'), 2);
+  EXPECT_EQ(PlainOf(list(65)), list(65));
+  // The bracket of a colour opens no list.
+  EXPECT_EQ(PlainOf("t,a\n\x1b[0m,1\n0,2\n"), "t,a\n\x1b[0m,1\n0,2\n");
+}
+
+// The form of most lines, and of three at least.
+TEST(PlainTable, NeedsThreeLinesAndHalfOfAll) {
+  const auto is_plain = [](const std::string& line, int fitting, int others) {
+    std::string text;
+    for (int i = 0; i < fitting; ++i) text += line + "\n";
+    for (int i = 0; i < others; ++i) text += "noise\n";
+    return PlainOf(text) != text;
+  };
+  for (const char* line : {"a:1 b:2", "10:15:00 -> 1,2", "A100B200"}) {
+    EXPECT_TRUE(is_plain(line, 3, 0)) << line;
+    EXPECT_FALSE(is_plain(line, 2, 0)) << line;
+    EXPECT_TRUE(is_plain(line, 4, 4)) << line;
+    EXPECT_FALSE(is_plain(line, 4, 5)) << line;
+  }
+}
+
+TEST(PlainTable, TakesClocksBeforeLabelsOff) {
+  const std::string plain = "time,a,b\n12:00:01,1,2\n12:00:02,3,4\n12:00:03,5,6\n";
+  for (const char* form :
+       {"{} -> a:{} b:{}", "{} - a:{}, b:{}", "[{}] a={};b={}", "{} | a: {}\tb: {}"}) {
+    std::string text;
+    for (int i = 1; i <= 3; ++i) {
+      text += fmt::format(fmt::runtime(form), fmt::format("12:00:0{}", i), 2 * i - 1, 2 * i) + "\n";
+    }
+    EXPECT_EQ(PlainOf(text), plain) << form;
+  }
+  // A label begins with a letter, and its value is a number.
+  for (const char* cell : {":1", "1a:1", "a:x", "a:", "a"}) {
+    const std::string line = std::string(cell) + " b:2\n", text = line + line + line;
+    EXPECT_EQ(PlainOf(text), text) << cell;
+  }
+}
+
 TEST(PlainTable, NamesListsAsIsKnown) {
   const std::string text = "action,state\n[1 2],[3 4]\n[5 6],[7 8]\n";
   const ListNames known = {{"action", {"wrist.pos", "elbow"}}, {"state", {"one"}}};
@@ -72,7 +121,25 @@ TEST(PlainTable, TurnsARowPerChannel) {
   }
   EXPECT_EQ(PlainOf(channels), turned);  // the zeros in front are an index
   EXPECT_THAT(PlainOf("a," + channels.substr(2)), StartsWith("a,0\n1,101\n"));
-  std::string wide;  // a hundred columns and more rows than any hand has channels
+  // Names stand in front of each row; 64 rows at most, and more than twice as many columns.
+  const auto row_of = [](const std::string& name, int columns) {
+    std::string row = name;
+    for (int i = 1; i < columns; ++i) row += "," + std::to_string(i);
+    return row + "\n";
+  };
+  EXPECT_THAT(PlainOf(row_of("a", 66) + row_of("b", 66)), StartsWith("a,b\n1,1\n2,2\n"));
+  std::string many;
+  for (int row = 0; row < 64; ++row) many += row_of("1", 129);
+  EXPECT_EQ(std::ranges::count(PlainOf(many), '\n'), 129);
+  EXPECT_EQ(PlainOf(many + row_of("1", 129)), many + row_of("1", 129));
+  for (const std::string& text :
+       {row_of("1", 64) + row_of("1", 64), row_of("1", 100), row_of("1", 100) + row_of("1", 99)}) {
+    EXPECT_EQ(PlainOf(text), text);
+  }
+  std::string nearly;
+  for (int row = 0; row < 50; ++row) nearly += row_of("1", 100);
+  EXPECT_EQ(PlainOf(nearly), nearly);  // not more than twice as many
+  std::string wide;                    // a hundred columns and more rows than any hand has channels
   for (int row = 0; row < 70; ++row) wide += channels.substr(0, channels.find('\n') + 1);
   EXPECT_EQ(PlainOf(wide), wide);
 }
@@ -111,8 +178,21 @@ TEST(PlainTable, ReadsJointStates) {
             "sec,nanosec,j1_rad,j2_deg,j1_effort,j2_deg_effort\n"
             "1762000000,400000095,0.1,0.2,9,8\n1762000000,410000086,0.3,0.4,7,6\n"
             "# 1762000000,420000086,,j1,j2_deg,0.3,0.4,7,6,\n");
-  const std::string other = "5,400000095,base,j1,0.1\n5,410000086,base,j1,0.3\n";
-  EXPECT_EQ(PlainOf(other), other);  // no stamp of this century
+  // Stamps of other centuries, nanoseconds of more than a second, and other counts of numbers.
+  for (const char* row :
+       {"5,400000095,base,j1,0.1", "499999999,5,base,j1,0.1", "10000000000,5,base,j1,0.1",
+        "1762000000,1000000000,base,j1,0.1", "1762000000,-1,base,j1,0.1",
+        "1762000000,5,base,j1,j2,0.1", "1762000000,5,base,j1,j2,0.1,0.2,0.3",
+        "1762000000,5,base,j1", "1762000000,5,base,j1,0.1,0.2,0.3,0.4",
+        "1762000000,5,base,j1,0.1,x", "1762000000,5,base,j1,,,"}) {
+    const std::string text = std::string(row) + "\n" + row + "\n";
+    EXPECT_EQ(PlainOf(text), text);
+  }
+  EXPECT_EQ(PlainOf("500000000,0,base,j1,0.1\n9999999999,999999999,base,j1,0.3\n"),
+            "sec,nanosec,j1_rad\n500000000,0,0.1\n9999999999,999999999,0.3\n");
+  EXPECT_EQ(PlainOf("1762000000,0,,j1,0.1,0.2,0.3\n1762000001,0,,j1,0.4,0.5,0.6\n"),
+            "sec,nanosec,j1_rad,j1_velocity,j1_effort\n1762000000,0,0.1,0.2,0.3\n"
+            "1762000001,0,0.4,0.5,0.6\n");
 }
 
 }  // namespace
