@@ -51,9 +51,9 @@ struct ColumnEvidence {
 
 /// Facts about the columns of a family that rules look at.
 struct FamilyFacts {
-  std::vector<std::string> words;  // common to all names, without fingers, joints, axes, numbers
-  std::string_view axes;           // "xyz", "xy", "wxyz" or "rpy" of names; empty: none
-  bool names_fingers = false;      // or parts of the arm
+  std::vector<std::string> words = {};  // common to all names; no fingers, joints, axes, numbers
+  std::string_view axes = {};           // "xyz", "xy", "wxyz" or "rpy" of names; empty: none
+  bool names_fingers = false;           // or parts of the arm
   bool names_arm = false;
   bool names_joints = false;  // mcp, pip .. or the position of a joint
   std::size_t columns = 0;

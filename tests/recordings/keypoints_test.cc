@@ -24,6 +24,7 @@
 #include "sim/tables/joint_unit.h"
 #include "sim/tables/text_lines.h"
 #include "tests/recordings/posed_hand.h"
+#include "tests/support/program.h"
 #include "tests/support/table_text.h"
 
 namespace gauntlet::sim::testing {
@@ -284,14 +285,12 @@ TEST(FindKeypoints, LeavesNumbersWithoutAxesToAQuestion) {
 
 class KeypointFiles : public ::testing::Test {
  protected:
-  KeypointFiles() { fs::create_directories(folder_); }
-
   fs::path Written(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
+    std::ofstream(folder_.path() / name, std::ios::binary) << text;
+    return folder_.path() / name;
   }
   const std::vector<HandPoints> points_ = TrackedPoints(60, {.turn_rad = 0.02});
-  const fs::path folder_ = fs::path(::testing::TempDir()) / "keypoints";
+  const test::TemporaryDirectory folder_;
 };
 
 /// The columns of the table that is made of a file, by name, and its remarks.

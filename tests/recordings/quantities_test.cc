@@ -153,6 +153,113 @@ TEST(QuantityRules, DecideFamiliesOfTheirOwnAndNoOthers) {
   EXPECT_THAT(tested, UnorderedElementsAreArray(keys));
 }
 
+/// Facts by which a rule holds, and others, each a step beyond one of its limits.
+struct RuleLimits {
+  std::string rule;
+  FamilyFacts facts;
+  std::vector<std::function<void(FamilyFacts&)>> beyond;
+};
+
+TEST(QuantityRules, HoldUpToTheirLimitsAndNoFurther) {
+  const auto of_fingers = [](FamilyFacts& facts) { facts.names_fingers = true; };
+  const auto with_fractions = [](FamilyFacts& facts) { facts.is_whole = false; };
+  const auto low = [](double value) { return [=](FamilyFacts& facts) { facts.low = value; }; };
+  const auto high = [](double value) { return [=](FamilyFacts& facts) { facts.high = value; }; };
+  const auto reach = [](double value) { return [=](FamilyFacts& facts) { facts.reach = value; }; };
+  const auto words = [](const std::vector<std::string>& list) {
+    return [=](FamilyFacts& facts) { facts.words = list; };
+  };
+  const std::vector<RuleLimits> limits = {
+      {"clock_by_name", {}, {of_fingers}},
+      {"rate", {.low = 0.0}, {of_fingers, low(-0.001)}},
+      {"number_by_name", {}, {of_fingers, with_fractions}},
+      {"number_by_values",
+       {.moving = 1},
+       {of_fingers, [](FamilyFacts& facts) { facts.is_counting = false; },
+        [](FamilyFacts& facts) { facts.moving = 0; }}},
+      {"label_by_name", {.moving = 1}, {of_fingers, with_fractions}},
+      {"label_by_name",
+       {.moving = 0, .is_whole = false},
+       {of_fingers, [](FamilyFacts& facts) { facts.moving = 1; }}},
+      {"command", {.words = {"action"}}, {of_fingers}},
+      {"command",
+       {.words = {"cmd"}, .names_fingers = true},
+       {words({"action"}), words({"actions"})}},
+      {"foreign_name",
+       {.words = {"humidity"}},
+       {of_fingers, words({}), words({"humidity", "flex"}), words({"pos"})}},
+      {"counts_by_name", {.low = -0.01}, {low(-0.011)}},
+      {"share_by_name", {.low = -0.01, .high = 1.05}, {low(-0.011), high(1.051)}},
+      {"percent_by_name", {.low = -0.01, .high = 105.0}, {low(-0.011), high(105.1)}},
+      {"turns",
+       {.reach = 400.0, .turns = 1, .turning_span = 361.0},
+       {reach(400.1), [](FamilyFacts& facts) { facts.turns = 0; },
+        [](FamilyFacts& facts) { facts.turning_span = 361.1; }}},
+      {"counts", {.low = 0.0, .reach = 180.1}, {with_fractions, low(-0.1), reach(180.0)}},
+      {"counts", {.low = 20.1, .reach = 100.1}, {with_fractions, low(20.0), reach(100.0)}},
+      {"percent",
+       {.high = 105.0, .full_percent = 2},
+       {high(105.1), low(-0.011), [](FamilyFacts& facts) { facts.full_percent = 1; }}},
+      {"share",
+       {.low = 0.3, .high = 1.05},
+       {low(-0.011), high(1.051), [](FamilyFacts& facts) { facts.names_joints = true; }}},
+      {"share", {.names_joints = true, .low = 0.05, .high = 0.95}, {low(0.051), high(0.949)}},
+      {"radians", {.low = -0.011, .reach = 3.14159}, {low(-0.01), reach(3.1416)}},
+      {"radians", {.names_joints = true, .reach = 3.14159}, {reach(3.1416)}},
+      {"degrees", {.reach = 5.31}, {reach(5.3), reach(200.1)}},
+      {"degrees", {.names_joints = true, .reach = 200.0}, {reach(200.1)}},
+  };
+  for (const auto& [rule, facts, beyond] : limits) {
+    const auto found = std::ranges::find(QuantityRules(), rule, &QuantityRule::key);
+    ASSERT_NE(found, QuantityRules().end()) << rule;
+    EXPECT_TRUE(found->holds(facts)) << rule;
+    for (std::size_t i = 0; i < beyond.size(); ++i) {
+      FamilyFacts other = facts;
+      beyond[i](other);
+      EXPECT_FALSE(found->holds(other)) << rule << " " << i;
+    }
+  }
+  for (const auto& [rule, axes] : {std::pair("quaternion_axes", "wxyz"),
+                                   {"roll_pitch_yaw", "rpy"},
+                                   {"position", "xyz"},
+                                   {"plane", "xy"}}) {
+    const auto found = std::ranges::find(QuantityRules(), rule, &QuantityRule::key);
+    for (const char* other : {"wxyz", "rpy", "xyz", "xy", ""}) {
+      EXPECT_EQ(found->holds({.axes = other}), std::string_view(other) == axes) << rule << other;
+    }
+  }
+}
+
+TEST(NameOf, IsOfEachQuantityAndUnit) {
+  EXPECT_EQ(NameOf(Quantity::kText), "text");
+  EXPECT_EQ(NameOf(Quantity::kOrientation), "orientation");
+  EXPECT_EQ(NameOf(Quantity::kPosition), "position");
+  EXPECT_EQ(NameOf(Quantity::kCommand), "command");
+  EXPECT_EQ(NameOf(Quantity::kUnknown), "unknown");
+  EXPECT_EQ(NameOf(Quantity::kSensor), "sensor");
+  EXPECT_EQ(NameOf(RawUnit::kCounts), "counts");
+  EXPECT_EQ(NameOf(RawUnit::kMilliradians), "mrad");
+  EXPECT_EQ(NameOf(RawUnit::kUnknown), "unknown");
+}
+
+TEST(FamilyOfSensors, HasTheUnitOfSensorsWhateverTheyAreCalled) {
+  TableStatistics statistics(3);
+  for (int row = 0; row < kRows; ++row) {
+    statistics.Add(0.01 * row, std::vector{Between(300, 900, 1)(row), Between(300, 900, 1, 1)(row),
+                                           Between(300, 900, 1, 2)(row)});
+  }
+  std::vector<ColumnEvidence> columns;
+  for (const char* name : {"force_3", "force_1", "force_2"}) {
+    columns.push_back({.name = name, .statistics = statistics.Column(columns.size())});
+  }
+  EXPECT_EQ(FindFamilies(columns).front().quantity, Quantity::kForce);
+  const ColumnFamily family = FamilyOfSensors(columns, {0, 1, 2});
+  EXPECT_EQ(family.quantity, Quantity::kSensor);
+  EXPECT_EQ(family.unit, RawUnit::kCounts);
+  EXPECT_EQ(family.stem, "force");
+  EXPECT_THAT(family.columns, ElementsAre(1, 2, 0));
+}
+
 /// Columns of the family with the first sensor.
 std::vector<std::size_t> SensorsOf(const std::vector<TestColumn>& columns) {
   for (const ColumnFamily& family : FamiliesOf(columns)) {

@@ -17,6 +17,7 @@
 #include "sim/glove/glove.h"
 #include "sim/recordings/recording.h"
 #include "sim/recordings/zero_phase.h"
+#include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
@@ -250,15 +251,11 @@ TEST(Recording, HeldShowsTheNewestRowAndNeverOneToCome) {
 
 class Files : public ::testing::Test {
  protected:
-  Files() { std::filesystem::create_directories(folder_); }
-  ~Files() override { std::filesystem::remove_all(folder_); }
   std::string Write(const std::string& name, std::string_view text) {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return (folder_ / name).string();
+    std::ofstream(folder_.path() / name, std::ios::binary) << text;
+    return (folder_.path() / name).string();
   }
-  std::filesystem::path folder_ =
-      std::filesystem::path(::testing::TempDir()) /
-      ("gauntlet_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+  test::TemporaryDirectory folder_;
 };
 
 /// 3 s of index_mcp at 100 Hz: 20 + 10 sin t [deg], with other angles in some lines of the file.

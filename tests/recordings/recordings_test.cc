@@ -13,6 +13,7 @@
 #include "sim/recordings/pchip.h"
 #include "sim/recordings/recording.h"
 #include "sim/tables/csv_reader.h"
+#include "tests/support/program.h"
 #include "tests/support/source_dir.h"
 
 namespace gauntlet::sim {
@@ -165,7 +166,6 @@ TEST(Pchip, HoldsTheEndsBeyondTheData) {
 
 class RecordingFile : public ::testing::Test {
  protected:
-  ~RecordingFile() override { std::filesystem::remove(path_); }
   void Write(std::string_view text) { std::ofstream(path_, std::ios::binary) << text; }
   std::string LoadError() {
     try {
@@ -175,9 +175,8 @@ class RecordingFile : public ::testing::Test {
     }
     return "no error";
   }
-  std::filesystem::path path_ =
-      std::filesystem::path(::testing::TempDir()) /
-      (std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) + ".csv");
+  const test::TemporaryDirectory folder_;
+  const std::filesystem::path path_ = folder_.path() / "in.csv";
 };
 
 TEST_F(RecordingFile, GivesAnglesInRadiansUnderTheChannelsNames) {
