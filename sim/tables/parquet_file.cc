@@ -273,7 +273,6 @@ std::vector<std::uint32_t> RunsAndGroups(ByteReader bytes, unsigned width, std::
 
 std::vector<double> PlainValues(ByteReader bytes, const Leaf& leaf, std::size_t count) {
   std::vector<double> values;
-  values.reserve(std::min(count, 8 * bytes.rest().size()));
   std::uint8_t flags = 0;
   for (std::size_t i = 0; i < count; ++i) {
     switch (leaf.type) {

@@ -135,9 +135,9 @@ Table ReadTable(PipeReader& pipe) {
   const auto is_row = [&](double place) { return place >= 0.0 && place < table.rows; };
   if (order.size() != table.rows || !std::ranges::all_of(order, is_row)) Fail();
   for (TableColumn& column : table.columns) {
-    std::vector<double> numbers;
-    numbers.reserve(order.size());
-    for (const double place : order) numbers.push_back(column.numbers[place]);
+    std::vector<double> numbers(order.size());
+    std::ranges::transform(order, numbers.begin(),
+                           [&](double place) { return column.numbers[place]; });
     column.numbers = std::move(numbers);
   }
   return table;

@@ -200,33 +200,6 @@ TEST_F(ColumnMaps, SkipTheLinesOfASensorsSoftware) {
   EXPECT_NEAR(rows[1]["index_pip"], 2.0, 1e-9);
 }
 
-TEST_F(ColumnMaps, SayWhatIsWrongInOneLine) {
-  const std::string text = "a,b\n1,2\n";
-  const auto row = [](const std::string& keys, const std::string& values) {
-    return "column,channel," + keys + "\n1,index_pip," + values + "\n";
-  };
-  EXPECT_THAT(ErrorOf(text, row("unit", "volts")), HasSubstr("volts need raw_low and raw_high"));
-  EXPECT_THAT(ErrorOf(text, row("raw_low,raw_high", "3,3")), HasSubstr("must not be raw_low"));
-  EXPECT_THAT(ErrorOf(text, row("raw_low,raw_high", "3,")), HasSubstr("must be given"));
-  EXPECT_THAT(ErrorOf(text, row("raw_low", "3")), HasSubstr("must be given"));
-  EXPECT_THAT(ErrorOf(text, row("raw_low,raw_high,scale", "3,4,2")), HasSubstr("must be empty"));
-  EXPECT_THAT(ErrorOf(text, row("raw_low,raw_high,unit", "3,4,feet")), HasSubstr("must be one of"));
-  EXPECT_THAT(ErrorOf(text, row("raw_low,raw_high,unit,bits", "3,4,deg,8")),
-              HasSubstr("is for counts only"));
-  EXPECT_THAT(ErrorOf(text, row("deg_low", "3")), HasSubstr("needs raw_low and raw_high"));
-  EXPECT_THAT(ErrorOf(text, row("unit,bits", "counts,0")), HasSubstr("from 1 to 24"));
-  EXPECT_THAT(ErrorOf(text, row("unit,bits", "deg,8")), HasSubstr("is for counts only"));
-  EXPECT_THAT(ErrorOf(text, row("unit,bits,raw_low,raw_high", "volts,8,1,2")),
-              HasSubstr("is for counts only"));
-  EXPECT_THAT(ErrorOf(text, "column,channel\n1,command\n"),
-              HasSubstr("command is of a log of commands and angles: gauntlet identify --map"));
-  EXPECT_THAT(ErrorOf(text, row("joint", "wrist")), HasSubstr("is for command, angle and motor"));
-  EXPECT_THAT(ErrorOf(text, "column,channel\n1,index_pip\n2,index_pip\n"),
-              HasSubstr("each has a weight"));
-  EXPECT_THAT(ErrorOf(text, "column,channel,unit\n1,time,years\n2,index_pip,\n"),
-              HasSubstr("must be one of: s, ms, us, ns, ticks, min, h, day, date"));
-}
-
 TEST_F(ColumnMaps, OfAPersonNameColumnsExactly) {
   EXPECT_THAT(ErrorOf("index_mcp_rad\n0.5\n0.6\n", "column,channel\nindex_mcp,index_mcp\n"),
               HasSubstr("has no column"));
@@ -297,6 +270,9 @@ TEST_F(ColumnMaps, RefuseEveryMistakeAtItsPlace) {
       {",raw_low,raw_high,sign", ",1,2,1", ":2:5: must be empty beside raw_low and raw_high"},
       {",raw_low,raw_high,offset", ",1,2,1", ":2:5: must be empty beside raw_low and raw_high"},
       {",raw_low,raw_high,unit", ",1,2,volts", ""},
+      {",raw_low,raw_high,unit", ",1,2,feet", ":2:5: 'feet' must be one of: deg, rad"},
+      {",raw_low,raw_high,unit,bits", ",1,2,deg,8", ":2:6: is for counts only"},
+      {",raw_low,raw_high,unit,bits", ",1,2,volts,8", ":2:6: is for counts only"},
       {",unit,bits", ",counts,1", ""},
       {",unit,bits", ",counts,24", ""},
       {",unit,bits", ",counts,0", ":2:4: must be a whole number from 1 to 24"},
@@ -328,6 +304,8 @@ TEST_F(ColumnMaps, RefuseEveryMistakeAtItsPlace) {
               HasSubstr(":2:2: unknown channel 'index_mpc' (did you mean index_mcp?)"));
   EXPECT_THAT(ErrorOf("a\n1\n", "column,channel\na,command\n"),
               HasSubstr(":2:2: command is of a log of commands and angles"));
+  EXPECT_THAT(ErrorOf("a,b\n1,2\n", "column,channel\n1,index_pip\n2,index_pip\n"),
+              HasSubstr("each has a weight"));
   EXPECT_THAT(ErrorOf("a\n1\n", "channel\nindex_mcp\n"), HasSubstr(":1:1: there is no key column"));
   EXPECT_THAT(ErrorOf("a\n1\n", "column\na\n"), HasSubstr(":1:1: there is no key channel"));
   EXPECT_THAT(ErrorOf("a\n1\n", "column,channel\na,ignore\n"),

@@ -274,6 +274,46 @@ TEST(FindKeypoints, TakesAListThatIsCalledLandmarks) {
   EXPECT_TRUE(FindKeypoints(names).hands.empty());
 }
 
+TEST(FindKeypoints, AsksWhereSeveralHandsHaveNoSide) {
+  const auto layout_of = [](const std::vector<std::string>& stems) {
+    std::vector<std::string> names;
+    for (const std::string& stem : stems) {
+      for (int i = 0; i < kKeypoints; ++i) {
+        for (const char axis : {'x', 'y', 'z'}) {
+          names.push_back(fmt::format("{}_landmark_{}_{}", stem, i, axis));
+        }
+      }
+    }
+    return FindKeypoints(names);
+  };
+  EXPECT_EQ(layout_of({"left", "right"}).hands.size(), 2U);
+  EXPECT_EQ(layout_of({"hand_1", "hand_2"}).hands.size(), 2U);  // their shape tells
+  for (const std::vector<std::string>& stems : {std::vector<std::string>{"old", "new"},
+                                                {"left", "new"},
+                                                {"old", "right"},
+                                                {"left_old", "left_new"},
+                                                {"left", "right", "new"},
+                                                {"left", "right_old", "right_new"},
+                                                {"hand_1", "hand_2", "hand_3"},
+                                                {"old_1", "new_2"}}) {
+    const KeypointLayout layout = layout_of(stems);
+    EXPECT_TRUE(layout.has_several) << stems.back();
+    EXPECT_TRUE(layout.hands.empty()) << stems.back();
+    EXPECT_THAT(layout.problem, HasSubstr("has keypoints of several hands or kinds ("))
+        << stems.back();
+  }
+}
+
+TEST(KeypointName, IsThatOfItsJoint) {
+  const std::vector<std::string> names = {
+      "wrist",      "thumb_cmc",  "thumb_mcp", "thumb_ip",   "thumb_tip",  "index_mcp",
+      "index_pip",  "index_dip",  "index_tip", "middle_mcp", "middle_pip", "middle_dip",
+      "middle_tip", "ring_mcp",   "ring_pip",  "ring_dip",   "ring_tip",   "little_mcp",
+      "little_pip", "little_dip", "little_tip"};
+  for (int i = 0; i < kKeypoints; ++i)
+    EXPECT_EQ(KeypointName(i), names[static_cast<std::size_t>(i)]);
+}
+
 TEST(FindKeypoints, LeavesNumbersWithoutAxesToAQuestion) {
   std::vector<std::string> names = {"time_s"};
   for (int i = 1; i <= 3 * kKeypoints; ++i) names.push_back(fmt::format("value_{}", i));

@@ -118,8 +118,7 @@ TEST(TimeScaleS, KnowsTimesWithTheirUnits) {
     }
   }
   EXPECT_EQ(TimeScaleS("time_s"), 1.0);
-  for (const char* other :
-       {"s", "", "sms", "index", "time_min", "secs_ms", "mst", "frame"}) {
+  for (const char* other : {"s", "", "sms", "index", "time_min", "secs_ms", "mst", "frame"}) {
     EXPECT_EQ(TimeScaleS(other), std::nullopt) << other;
   }
 }

@@ -73,6 +73,16 @@ TEST(CsvReader, JoinsLinesWithinQuotes) {
   EXPECT_EQ(reader.row(), 7u);
   EXPECT_EQ(ErrorOf("a,\"note\non two\"\n1,2\n\"one\ncell\",x\n"),
             "in.csv:4:1: '...' is not a number");
+  // Sixteen lines at most.
+  const auto names_over = [](int lines) {
+    std::string text = "\"a";
+    for (int i = 1; i < lines; ++i) text += "\nx";
+    return CsvReader("in.csv", TextSource(text + "\",b\n1,2\n"), ProblemHandling::kRepair)
+        .header()
+        .size();
+  };
+  EXPECT_EQ(names_over(16), 2U);
+  EXPECT_EQ(names_over(17), 1U);
   // A quote that nothing closes is a letter, as is one within a cell or a comment.
   EXPECT_EQ(ErrorOf("a,b\n\"1,2\n3,4\n"), "in.csv:2:1: '\"1' is not a number");
   EXPECT_EQ(ErrorOf("6\" drum,b\n1,2\n3,4\" x\n"), "in.csv:3:2: '...' is not a number");
@@ -120,6 +130,12 @@ TEST(CsvReader, NamesFileRowAndColumnOfEveryMistake) {
 TEST(CsvReader, StopsAtALineWithoutEnd) {
   const std::string endless(3 << 20, '7');
   EXPECT_THAT(ErrorOf("a,b\n" + endless), HasSubstr("in.csv:2:1: the line is longer than"));
+  // With its end a line has a megabyte at most.
+  constexpr std::size_t kLongest = (std::size_t{1} << 20) - 1;
+  const std::string begin = "1,2\n", zeros(kLongest - 2, '0');
+  EXPECT_EQ(ReadAll(begin + "1," + zeros + "\n3,4\n").size(), 3U);
+  EXPECT_THAT(ErrorOf(begin + "1,0" + zeros + "\n3,4\n"),
+              HasSubstr("in.csv:2:1: the line is longer than 1048576 bytes"));
 }
 
 TEST(Pchip, KeepsOrderOfConvergenceOnAMonotoneCurve) {
@@ -156,6 +172,38 @@ TEST(Pchip, NeverLeavesTheIntervalOfItsNeighbours) {
   }
   EXPECT_EQ(result[100], 0.0);
   EXPECT_EQ(result[400], 10.0);
+}
+
+TEST(Pchip, IsALineThroughTwoOrMorePointsOfIt) {
+  for (const std::vector<double>& t : {std::vector<double>{0, 4}, {0, 1, 4}, {0, 1, 3, 4}}) {
+    std::vector<double> y, result(9);
+    for (const double at : t) y.push_back(3.0 - 2.0 * at);
+    InterpolatePchip(t, y, 0.0, 2.0, result);
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      EXPECT_NEAR(result[i], 3.0 - static_cast<double>(i), 1e-12) << t.size();
+    }
+  }
+}
+
+TEST(Pchip, IsThatOfScipy) {  // PchipInterpolator of scipy 1.10.1, every half second
+  const struct {
+    std::vector<double> time_s, value, expected;
+  } known[] = {
+      {{0, 1, 1.5, 3, 4, 7, 8},
+       {0, 2, 5, 6, 4, 4.5, 9},
+       {0, 0.602941176471, 2, 5, 5.56695156695, 5.89458689459, 6, 5, 4, 4.01062858633,
+        4.04512258738, 4.1073943662, 4.20135628586, 4.33092070944, 4.5, 6.0996185446, 9}},
+      {{0, 1, 3}, {0, 4, 5}, {0, 2.52421171171, 4, 4.42989864865, 4.74324324324, 4.93496621622, 5}},
+      {{0, 1, 3}, {0, 1, -8}, {0, 0.854166666667, 1, 0.359375, -1.45833333333, -4.296875, -8}},
+      {{0, 1, 3},
+       {0, 0.2, 8},
+       {0, 0.0567733990148, 0.2, 0.919134852217, 2.5947865353, 5.02304495074, 8}},
+  };
+  for (const auto& [time_s, value, expected] : known) {
+    std::vector<double> result(expected.size());
+    InterpolatePchip(time_s, value, 0.0, 2.0, result);
+    for (std::size_t i = 0; i < result.size(); ++i) EXPECT_NEAR(result[i], expected[i], 1e-10) << i;
+  }
 }
 
 TEST(Pchip, HoldsTheEndsBeyondTheData) {

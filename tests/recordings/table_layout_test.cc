@@ -124,6 +124,10 @@ TEST(FindTable, TakesNamesFromEveryFormOfHeader) {
       {"Index,,Thumb,\nx,y,z,w\n0,1,2,3\n1,2,3,4\n", {"x", "y", "z", "w"}, 1, true},
       // pandas: the name of the index stands alone below those of the columns.
       {",a,b\nt,,\n0,1,2\n1,2,3\n", {"t", "a", "b"}, 2, false},
+      {",Index,Index,Thumb,Thumb\n,x,y,x,y\nt,,,,\n0,1,2,3,4\n1,2,3,4,5\n",
+       {"t", "Index x", "Index y", "Thumb x", "Thumb y"},
+       3,
+       false},
       // One name too few: that of the first column, or of the last behind a time.
       {"a,b\n0,1,2\n1,2,3\n", {"", "a", "b"}, 0, true},
       {"time,a\n0,1,2\n1,2,3\n", {"time", "a", ""}, 0, true},
@@ -375,6 +379,40 @@ TEST(GuessTime, KnowsNumbersThatCountFromADate) {
   EXPECT_EQ(unit(1.7e9, 0.02), "s");
   EXPECT_EQ(unit(4.9e8, 0.02), "");
   EXPECT_EQ(unit(80000.0, 0.02 * kDay), "");
+}
+
+TEST(GuessTime, KnowsTheUnitByEveryNameOfIt) {
+  for (const auto& [unit, names] :
+       {std::pair("h", "hour hours"),
+        {"min", "min mins minute minutes"},
+        {"ms", "ms msec msecs millis millisec millisecond milliseconds"},
+        {"us", "us usec usecs micros microsec microsecond microseconds"},
+        {"ns", "ns nsec nsecs nanos nanosec nanosecond nanoseconds"},
+        {"s", "s sec secs second seconds"}}) {
+    for (std::string rest = names; !rest.empty();) {
+      const std::string word = rest.substr(0, rest.find(' '));
+      rest.erase(0, word.size() + 1);
+      EXPECT_EQ(TimeOf("elapsed time (" + word + "),a", {"0", "3", "6", "9"}),
+                std::string(unit) + " ")
+          << word;
+    }
+  }
+  EXPECT_EQ(TimeOf("timestampUs,a", {"0", "3", "6", "9"}), "us ");
+  EXPECT_EQ(TimeOf("tms,a", {"0", "3", "6", "9"}), "ms ");
+}
+
+// Values that rise make no time of a finger, a joint, a number of rows or another quantity.
+TEST(GuessTime, TakesNoOtherQuantityForATime) {
+  for (const char* name : {"index_mcp", "pip", "wrist", "spread", "flex_1", "pos", "frame", "id",
+                           "nr", "x", "extension", "emg", "force", "temperature", "image"}) {
+    EXPECT_EQ(TimeOf(std::string(name) + ",a", {"0", "0.01", "0.02", "0.03"}), "") << name;
+  }
+  // The first column without a name is one, with s assumed.
+  EXPECT_EQ(TimeOf(",a", {"0", "0.01", "0.02", "0.03"}), "s ");
+  EXPECT_EQ(TimeOf("Unnamed: 0,a", {"0", "0.01", "0.02", "0.03"}), "s ");
+  EXPECT_EQ(TimeOf(",a", {"0", "0.5", "1", "1.5"}), "");  // no rate of a glove
+  EXPECT_EQ(TimeOf(",a", {"0", "1e-5", "2e-5", "3e-5"}), "");
+  EXPECT_EQ(TimeOf(",a", {"0", "0.4", "0.8", "1.2"}), "s ");
 }
 
 TEST(GuessTime, AddsPartsByTheirNames) {

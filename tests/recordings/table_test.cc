@@ -66,7 +66,17 @@ TEST(CsvReader, OfATableIgnoresColumnsAndRefusesSkippedLines) {
   ASSERT_TRUE(reader.NextRow(row));
   EXPECT_THAT(row, ElementsAre(IsNan(), 0.1, IsNan()));
   EXPECT_THROW(reader.NextRow(row), UserError);  // the missing value
-  EXPECT_THROW(CsvReader("in", Mixed(), ProblemHandling::kRepair, {}, 1), UserError);
+  const auto error_of = [](std::shared_ptr<const Table> table, int skipped_lines) -> std::string {
+    try {
+      CsvReader("in", std::move(table), ProblemHandling::kRepair, {}, skipped_lines);
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(error_of(Mixed(), 0), "");
+  EXPECT_EQ(error_of(Mixed(), 1), "in:1:1: is no text, so it has no lines to skip");
+  EXPECT_EQ(error_of(std::make_shared<const Table>(), 0), "in:1:1: the file holds no data");
 }
 
 TEST(FindTable, OfATableHasItsFirstRowsAsTextAndGivesThemAgain) {
