@@ -254,7 +254,7 @@ void FindNames(const std::string& file, const std::vector<Line>& lines, std::siz
     auto [names, is_header] = NamesIn(lines[line], nearest, layout);
     if (names.empty() || AreValues(names, layout.separator)) return;
     if (nearest && line > 0 && first_name.empty() && NamesFirstOnly(names) &&
-        lines[line - 1].values == 0 && lines[line - 1].cells.size() == names.size()) {
+        lines[line - 1].filled == 0 && lines[line - 1].cells.size() == names.size()) {
       first_name = names.front();
       continue;
     }

@@ -495,6 +495,170 @@ TEST(Parquet, HalvesDecimalsAndOldTimesAreNumbers) {
   EXPECT_EQ(PlainColumn(1, date, "").left_out, "dates without a clock");
 }
 
+// Without a value there is no width of numbers either.
+TEST(Parquet, PagesOfNullsAloneMayBeEmpty) {
+  V1Column column = {.levels = WithLength(Varint(3 << 1) + '\0'),
+                     .values = "",
+                     .dictionary = Little(1.0),
+                     .count = 3};
+  for (const std::int64_t encoding : {0, 2, 8}) {
+    column.encoding = encoding;
+    EXPECT_THAT(ReadParquet(V1File(column, 3, false))[0].values, testing::Each(testing::IsNan()));
+  }
+}
+
+// Numbers of the dictionary in every width, as packed groups of eight and then as a run.
+TEST(Parquet, DictionariesOfEverySizeAreRead) {
+  const std::string leaf = Number(1, 5) + Number(2, 0) + Text(1, "f");
+  for (unsigned width = 1; width <= 12; ++width) {
+    const std::uint32_t size = std::uint32_t{1} << width;
+    std::string dictionary;
+    for (std::uint32_t i = 0; i < size; ++i) dictionary += Little(0.5 * i);
+    std::vector<double> expected;
+    std::string packed(3 * width, '\0');
+    for (std::uint32_t i = 0; i < 24; ++i) {
+      const std::uint32_t place = (size - 1 - 7 * i) % size;
+      expected.push_back(0.5 * place);
+      for (unsigned bit = 0; bit < width; ++bit) {
+        char& byte = packed[(i * width + bit) / 8];
+        byte = static_cast<char>(byte | (place >> bit & 1) << (i * width + bit) % 8);
+      }
+    }
+    expected.insert(expected.end(), size, 0.5 * (size - 1));
+    const V1Column column = {.levels = "",
+                             .values = static_cast<char>(width) + Varint(3 << 1 | 1) + packed +
+                                       Varint(size << 1) +
+                                       Little(size - 1).substr(0, (width + 7) / 8),
+                             .dictionary = dictionary,
+                             .count = 24 + size};
+    EXPECT_EQ(ReadParquet(V1File(column, 24 + size, {leaf}, 5))[0].values, expected) << width;
+  }
+  V1Column wide = Lists();
+  wide.values = std::string{33, 3};
+  EXPECT_THAT(ErrorIn(V1File(wide, 4, true)), HasSubstr("a number of more than 32 bits"));
+  wide.values = std::string{1, 0, 0};
+  EXPECT_THAT(ErrorIn(V1File(wide, 4, true)), HasSubstr("a run of no values"));
+  wide.values = std::string{1, 9, 0};
+  EXPECT_THAT(ErrorIn(V1File(wide, 4, true)), HasSubstr("a run is longer than its page"));
+}
+
+TEST(Parquet, FlagsAreBitsOrRuns) {
+  const std::string leaf = Number(1, 0) + Number(2, 0) + Text(1, "f");
+  V1Column column = {.encoding = 0,
+                     .levels = "",
+                     .values = std::string{static_cast<char>(0b10110010), 0b01},
+                     .dictionary = "",
+                     .count = 10};
+  const std::vector<double> flags = {0, 1, 0, 0, 1, 1, 0, 1, 1, 0};
+  EXPECT_EQ(ReadParquet(V1File(column, 10, {leaf}, 0))[0].values, flags);
+  column.encoding = 3;
+  column.values = WithLength(Varint(2 << 1 | 1) + column.values);
+  EXPECT_EQ(ReadParquet(V1File(column, 10, {leaf}, 0))[0].values, flags);
+  EXPECT_THAT(
+      ErrorIn(V1File(
+          {.encoding = 3, .levels = "", .values = column.values, .dictionary = "", .count = 2}, 2,
+          {Number(1, 5) + Number(2, 0) + Text(1, "f")}, 5)),
+      HasSubstr("column f has the encoding RLE, which is not read"));
+}
+
+TEST(Parquet, TimesHaveTheirUnitInTheirName) {
+  const std::string leaf = Number(1, 2) + Number(2, 0) + Text(1, "t");
+  const std::string values = Little(std::int64_t{5}) + Little(std::int64_t{-6});
+  for (const auto& [converted, name] :
+       {std::pair(7, "t_ms"), {8, "t_us"}, {9, "t_ms"}, {10, "t_us"}, {18, "t"}}) {
+    const NamedArray found = PlainColumn(2, leaf + Number(2, converted), values);
+    EXPECT_EQ(found.name, name);
+    EXPECT_THAT(found.values, ElementsAre(5, -6));
+  }
+  // logicalType: TIME is its field 7, TIMESTAMP its field 8; the unit is field 2 of both.
+  for (const int kind : {7, 8}) {
+    for (const auto& [unit, name] : {std::pair(1, "t_ms"), {2, "t_us"}, {3, "t_ns"}}) {
+      const std::string logical =
+          Group(6, Group(kind, std::string{0x11} + Group(1, Group(unit, ""))));
+      EXPECT_EQ(PlainColumn(2, leaf + logical, values).name, name) << kind;
+    }
+  }
+}
+
+TEST(Parquet, LeavesOutWhatIsNoNumberOfAtMost64Bits) {
+  const auto reason = [](std::int64_t type, const std::string& is) {
+    return PlainColumn(type, Number(1, type) + Number(2, 0) + Text(1, "f") + is, "").left_out;
+  };
+  const std::string decimal = Group(6, Group(5, Number(1, 2) + Number(1, 30)));
+  EXPECT_EQ(reason(6, ""), "texts");
+  EXPECT_EQ(reason(7, ""), "bytes");
+  for (const std::int64_t type : {6, 7}) {
+    EXPECT_EQ(reason(type, decimal), "decimals of more than 64 bits");
+    EXPECT_EQ(reason(type, Number(2, 5)), "decimals of more than 64 bits");
+  }
+  EXPECT_EQ(reason(1, Group(6, Group(6, ""))), "dates without a clock");
+  EXPECT_EQ(reason(8, ""), "no numbers");
+  // A half is two bytes.
+  for (const std::int64_t size : {1, 4}) {
+    const std::string half =
+        Number(1, 7) + Number(1, size) + Number(1, 0) + Text(1, "f") + Group(6, Group(15, ""));
+    EXPECT_EQ(PlainColumn(7, half, "").left_out, "bytes");
+  }
+  for (const auto& [type, values] : {std::pair(1, Little(125) + Little(-5)),
+                                     {2, Little(std::int64_t{125}) + Little(std::int64_t{-5})}}) {
+    EXPECT_THAT(
+        PlainColumn(type, Number(1, type) + Number(2, 0) + Text(1, "f") + decimal, values).values,
+        ElementsAre(1.25, -0.05));
+  }
+}
+
+TEST(Parquet, ThatIsBrokenSaysWhere) {
+  const std::string good = V1File(Lists(), 4, true);
+  const std::size_t size_at = good.size() - 8;
+  std::string file = good;
+  file.replace(size_at, 4, Little(static_cast<std::uint32_t>(good.size() - 12)));
+  EXPECT_THAT(ErrorIn(file), testing::Not(HasSubstr("its description is too long")));
+  file.replace(size_at, 4, Little(static_cast<std::uint32_t>(good.size() - 11)));
+  EXPECT_THAT(ErrorIn(file), HasSubstr("its description is too long"));
+  EXPECT_THAT(ErrorIn(good.substr(0, good.size() - 1) + "E"), HasSubstr("is encrypted"));
+  EXPECT_THAT(ErrorIn(good.substr(0, good.size() - 1) + "X"), HasSubstr("its end is missing"));
+  EXPECT_THAT(ErrorIn("PAR1\1\0\0PAR1"), HasSubstr("it ends too early"));
+  // One value more in a page than in its column, and one fewer in the dictionary.
+  for (const std::int64_t codec : {-1, 8}) {
+    V1Column column = Lists();
+    column.codec = codec;
+    EXPECT_THAT(ErrorIn(V1File(column, 4, true)), HasSubstr("is compressed by an unknown one"));
+  }
+  V1Column column = NewerLists();
+  column.defined += std::string(100, '\0');
+  EXPECT_EQ(ErrorIn(V1File(column, 4, true)), "");  // levels may have bytes behind them
+  column = Lists();
+  column.encoding = 10;
+  EXPECT_THAT(ErrorIn(V1File(column, 4, true)), HasSubstr("has the encoding an unknown one"));
+  // A list that begins with a second item.
+  column = Lists();
+  column.levels.replace(5, 1, std::string{0b01010011});
+  EXPECT_THAT(ErrorIn(V1File(column, 4, true)), HasSubstr("a list begins with its second item"));
+}
+
+TEST(Parquet, NamesOfGroupsStandBeforeThoseOfColumns) {
+  const V1Column two = {.encoding = 0,
+                        .levels = "",
+                        .values = Little(1.0) + Little(2.0),
+                        .dictionary = "",
+                        .count = 2};
+  const std::string leaf = Number(1, 5) + Number(2, 0) + Text(1, "x");
+  const auto name = [&](const std::vector<std::string>& schema) {
+    return ReadParquet(V1File(two, 2, schema, 5))[0].name;
+  };
+  const std::string group = Number(3, 0) + Text(1, "hand") + Number(1, 1);
+  EXPECT_EQ(name({leaf}), "x");
+  EXPECT_EQ(name({group, leaf}), "hand_x");
+  EXPECT_EQ(name({group, Number(3, 0) + Text(1, "tip") + Number(1, 1), leaf}), "hand_tip_x");
+  // Up to 32 in each other.
+  std::vector<std::string> deep(32, group);
+  deep.push_back(leaf);
+  EXPECT_EQ(name(deep).substr(0, 10), "hand_hand_");
+  deep.insert(deep.begin(), group);
+  EXPECT_THAT(ErrorIn(V1File(two, 2, deep, 5)), HasSubstr("its schema is cut off"));
+  EXPECT_THAT(ErrorIn(V1File(two, 2, {group}, 5)), HasSubstr("its schema is cut off"));
+}
+
 /// Columns t (duration in us) and joint (double), by polars 2.1.0 (PyPI), write_parquet().
 constexpr const char* kSchemaOfPolars =
     "/////54AAAAEAAAA8v///xQAAAAEAAEAAAAKAAsACAAKAAQA+P///wwAAAAIAAgAAAAEAAIAAAA0AAAABAAAAMD///8cAA"
@@ -528,248 +692,77 @@ TEST(Parquet, DurationsHaveTheUnitOfTheSchemaOfArrow) {
       std::string damaged = whole;
       damaged[i] = digit;
       DurationsOf(damaged);
-      // Without a value there is no width of numbers either.
-      TEST(Parquet, PagesOfNullsAloneMayBeEmpty) {
-        V1Column column = {.levels = WithLength(Varint(3 << 1) + '\0'),
-                           .values = "",
-                           .dictionary = Little(1.0),
-                           .count = 3};
-        for (const std::int64_t encoding : {0, 2, 8}) {
-          column.encoding = encoding;
-          EXPECT_THAT(ReadParquet(V1File(column, 3, false))[0].values,
-                      testing::Each(testing::IsNan()));
-        }
+    }
+  }
+}
+
+// df.to_parquet() of pandas 3.1.1 with a DatetimeIndex: the last column, __index_level_0__.
+TEST(Parquet, IndexOfPandasWithoutANameMayBeATime) {
+  const std::string values = Little(std::int64_t{0}) + Little(std::int64_t{10000});
+  const std::string name = Number(1, 2) + Number(2, 0) + Text(1, "__index_level_0__");
+  EXPECT_EQ(PlainColumn(2, name + Number(2, 10), values).name, "index_time_us");
+  EXPECT_EQ(PlainColumn(2, name, values).name, "nameless");
+}
+
+// Wrong: left out, so that the rate was assumed.
+TEST(Parquet, TextsOfTimesAndIntervalsAreTimes) {
+  const auto texts = [](const std::string& name, const std::string& first,
+                        const std::string& second) {
+    return PlainColumn(6, Number(1, 6) + Number(2, 0) + Text(1, name) + Number(2, 0),
+                       WithLength(first) + WithLength(second));
+  };
+  const NamedArray time = texts("time", "1970-01-01T00:00:01.5Z", "1970-01-02 00:00:00");
+  EXPECT_EQ(time.name, "time");
+  EXPECT_THAT(time.values, ElementsAre(1.5, 86400.0));
+  EXPECT_EQ(texts("time", "noon", "later").left_out, "texts");
+  EXPECT_EQ(texts("task", "00:00:01", "00:00:02").left_out, "texts");
+  // INTERVAL as DuckDB 2.0.1 (PyPI) writes it: months, days and ms.
+  const auto interval = [](std::uint32_t months, std::uint32_t days, std::uint32_t ms) {
+    return Little(months) + Little(days) + Little(ms);
+  };
+  const std::string leaf =
+      Number(1, 7) + Number(1, 12) + Number(1, 0) + Text(1, "time") + Number(2, 21);
+  const NamedArray elapsed = PlainColumn(7, leaf, interval(0, 0, 10) + interval(0, 1, 20));
+  EXPECT_EQ(elapsed.name, "time_ms");
+  EXPECT_THAT(elapsed.values, ElementsAre(10.0, 86400020.0));
+  EXPECT_TRUE(std::isnan(PlainColumn(7, leaf, interval(1, 0, 0) + interval(0, 0, 1)).values[0]));
+}
+
+TEST(Parquet, ThatIsNotReadSaysWhy) {
+  V1Column column = Lists();
+  column.codec = 4;
+  EXPECT_THAT(ErrorIn(V1File(column, 4, true)), HasSubstr("brotli"));
+  column = Lists();
+  column.encoding = 9;
+  EXPECT_THAT(ErrorIn(V1File(column, 4, true)),
+              HasSubstr("column f has the encoding BYTE_STREAM_SPLIT"));
+  EXPECT_THAT(ErrorIn(V1File(Lists(), 5, true)), HasSubstr("column f has not all rows"));
+  column = Lists();
+  column.dictionary = Little(1.0);
+  EXPECT_THAT(ErrorIn(V1File(column, 4, true)), HasSubstr("not in its dictionary"));
+  // Repetition 0 0 0 0 1 0 1: the first lists have one value.
+  column = Lists();
+  column.levels.replace(5, 1, std::string{0b01010000});
+  EXPECT_THAT(ErrorIn(V1File(column, 5, true)), HasSubstr("row 1 of column f has 1 values"));
+  EXPECT_THAT(ErrorIn("PAR1PAR1"), HasSubstr("is damaged"));
+}
+
+// Every byte of a file, changed in several ways, and every length of it.
+TEST(Parquet, ThatIsDamagedIsReadOrRefused) {
+  for (const std::string& whole :
+       {V1File(Lists(), 4, true), ListsOfLists(static_cast<char>(0b10011000)),
+        Shipped("snappy.parquet"), Shipped("uncompressed.parquet")}) {
+    const std::size_t step = whole.size() < 1000 ? 1 : 7;
+    for (std::size_t i = 0; i < whole.size(); i += step) {
+      for (const int change : {1, 0x80, 0xff}) {
+        std::string damaged = whole;
+        damaged[i] = static_cast<char>(damaged[i] ^ change);
+        ErrorIn(damaged);
       }
+      EXPECT_NE(ErrorIn(whole.substr(0, i)), "") << i;
+    }
+  }
+}
 
-      // Numbers of the dictionary in every width, as packed groups of eight and then as a run.
-      TEST(Parquet, DictionariesOfEverySizeAreRead) {
-        const std::string leaf = Number(1, 5) + Number(2, 0) + Text(1, "f");
-        for (unsigned width = 1; width <= 12; ++width) {
-          const std::uint32_t size = std::uint32_t{1} << width;
-          std::string dictionary;
-          for (std::uint32_t i = 0; i < size; ++i) dictionary += Little(0.5 * i);
-          std::vector<double> expected;
-          std::string packed(3 * width, '\0');
-          for (std::uint32_t i = 0; i < 24; ++i) {
-            const std::uint32_t place = (size - 1 - 7 * i) % size;
-            expected.push_back(0.5 * place);
-            for (unsigned bit = 0; bit < width; ++bit) {
-              char& byte = packed[(i * width + bit) / 8];
-              byte = static_cast<char>(byte | (place >> bit & 1) << (i * width + bit) % 8);
-            }
-          }
-          expected.insert(expected.end(), size, 0.5 * (size - 1));
-          const V1Column column = {.levels = "",
-                                   .values = static_cast<char>(width) + Varint(3 << 1 | 1) +
-                                             packed + Varint(size << 1) +
-                                             Little(size - 1).substr(0, (width + 7) / 8),
-                                   .dictionary = dictionary,
-                                   .count = 24 + size};
-          EXPECT_EQ(ReadParquet(V1File(column, 24 + size, {leaf}, 5))[0].values, expected) << width;
-        }
-        V1Column wide = Lists();
-        wide.values = std::string{33, 3};
-        EXPECT_THAT(ErrorIn(V1File(wide, 4, true)), HasSubstr("a number of more than 32 bits"));
-        wide.values = std::string{1, 0, 0};
-        EXPECT_THAT(ErrorIn(V1File(wide, 4, true)), HasSubstr("a run of no values"));
-        wide.values = std::string{1, 9, 0};
-        EXPECT_THAT(ErrorIn(V1File(wide, 4, true)), HasSubstr("a run is longer than its page"));
-      }
-
-      TEST(Parquet, FlagsAreBitsOrRuns) {
-        const std::string leaf = Number(1, 0) + Number(2, 0) + Text(1, "f");
-        V1Column column = {.encoding = 0,
-                           .levels = "",
-                           .values = std::string{static_cast<char>(0b10110010), 0b01},
-                           .dictionary = "",
-                           .count = 10};
-        const std::vector<double> flags = {0, 1, 0, 0, 1, 1, 0, 1, 1, 0};
-        EXPECT_EQ(ReadParquet(V1File(column, 10, {leaf}, 0))[0].values, flags);
-        column.encoding = 3;
-        column.values = WithLength(Varint(2 << 1 | 1) + column.values);
-        EXPECT_EQ(ReadParquet(V1File(column, 10, {leaf}, 0))[0].values, flags);
-        EXPECT_THAT(ErrorIn(V1File({.encoding = 3,
-                                    .levels = "",
-                                    .values = column.values,
-                                    .dictionary = "",
-                                    .count = 2},
-                                   2, {Number(1, 5) + Number(2, 0) + Text(1, "f")}, 5)),
-                    HasSubstr("column f has the encoding RLE, which is not read"));
-      }
-
-      TEST(Parquet, TimesHaveTheirUnitInTheirName) {
-        const std::string leaf = Number(1, 2) + Number(2, 0) + Text(1, "t");
-        const std::string values = Little(std::int64_t{5}) + Little(std::int64_t{-6});
-        for (const auto& [converted, name] :
-             {std::pair(7, "t_ms"), {8, "t_us"}, {9, "t_ms"}, {10, "t_us"}, {18, "t"}}) {
-          const NamedArray found = PlainColumn(2, leaf + Number(2, converted), values);
-          EXPECT_EQ(found.name, name);
-          EXPECT_THAT(found.values, ElementsAre(5, -6));
-        }
-        // logicalType: TIME is its field 7, TIMESTAMP its field 8; the unit is field 2 of both.
-        for (const int kind : {7, 8}) {
-          for (const auto& [unit, name] : {std::pair(1, "t_ms"), {2, "t_us"}, {3, "t_ns"}}) {
-            const std::string logical =
-                Group(6, Group(kind, std::string{0x11} + Group(1, Group(unit, ""))));
-            EXPECT_EQ(PlainColumn(2, leaf + logical, values).name, name) << kind;
-          }
-        }
-      }
-
-      // df.to_parquet() of pandas 3.1.1 with a DatetimeIndex: the last column, __index_level_0__.
-      TEST(Parquet, IndexOfPandasWithoutANameMayBeATime) {
-        const std::string values = Little(std::int64_t{0}) + Little(std::int64_t{10000});
-        const std::string name = Number(1, 2) + Number(2, 0) + Text(1, "__index_level_0__");
-        EXPECT_EQ(PlainColumn(2, name + Number(2, 10), values).name, "index_time_us");
-        EXPECT_EQ(PlainColumn(2, name, values).name, "nameless");
-      }
-
-      // Wrong: left out, so that the rate was assumed.
-      TEST(Parquet, TextsOfTimesAndIntervalsAreTimes) {
-        const auto texts = [](const std::string& name, const std::string& first,
-                              const std::string& second) {
-          return PlainColumn(6, Number(1, 6) + Number(2, 0) + Text(1, name) + Number(2, 0),
-                             WithLength(first) + WithLength(second));
-        };
-        const NamedArray time = texts("time", "1970-01-01T00:00:01.5Z", "1970-01-02 00:00:00");
-        EXPECT_EQ(time.name, "time");
-        EXPECT_THAT(time.values, ElementsAre(1.5, 86400.0));
-        EXPECT_EQ(texts("time", "noon", "later").left_out, "texts");
-        EXPECT_EQ(texts("task", "00:00:01", "00:00:02").left_out, "texts");
-        // INTERVAL as DuckDB 2.0.1 (PyPI) writes it: months, days and ms.
-        const auto interval = [](std::uint32_t months, std::uint32_t days, std::uint32_t ms) {
-          return Little(months) + Little(days) + Little(ms);
-        };
-        const std::string leaf =
-            Number(1, 7) + Number(1, 12) + Number(1, 0) + Text(1, "time") + Number(2, 21);
-        const NamedArray elapsed = PlainColumn(7, leaf, interval(0, 0, 10) + interval(0, 1, 20));
-        EXPECT_EQ(elapsed.name, "time_ms");
-        EXPECT_THAT(elapsed.values, ElementsAre(10.0, 86400020.0));
-        EXPECT_TRUE(
-            std::isnan(PlainColumn(7, leaf, interval(1, 0, 0) + interval(0, 0, 1)).values[0]));
-        TEST(Parquet, LeavesOutWhatIsNoNumberOfAtMost64Bits) {
-          const auto reason = [](std::int64_t type, const std::string& is) {
-            return PlainColumn(type, Number(1, type) + Number(2, 0) + Text(1, "f") + is, "")
-                .left_out;
-          };
-          const std::string decimal = Group(6, Group(5, Number(1, 2) + Number(1, 30)));
-          EXPECT_EQ(reason(6, ""), "texts");
-          EXPECT_EQ(reason(7, ""), "bytes");
-          for (const std::int64_t type : {6, 7}) {
-            EXPECT_EQ(reason(type, decimal), "decimals of more than 64 bits");
-            EXPECT_EQ(reason(type, Number(2, 5)), "decimals of more than 64 bits");
-          }
-          EXPECT_EQ(reason(1, Group(6, Group(6, ""))), "dates without a clock");
-          EXPECT_EQ(reason(8, ""), "no numbers");
-          // A half is two bytes.
-          for (const std::int64_t size : {1, 4}) {
-            const std::string half = Number(1, 7) + Number(1, size) + Number(1, 0) + Text(1, "f") +
-                                     Group(6, Group(15, ""));
-            EXPECT_EQ(PlainColumn(7, half, "").left_out, "bytes");
-          }
-          for (const auto& [type, values] :
-               {std::pair(1, Little(125) + Little(-5)),
-                {2, Little(std::int64_t{125}) + Little(std::int64_t{-5})}}) {
-            EXPECT_THAT(
-                PlainColumn(type, Number(1, type) + Number(2, 0) + Text(1, "f") + decimal, values)
-                    .values,
-                ElementsAre(1.25, -0.05));
-          }
-        }
-
-        TEST(Parquet, ThatIsBrokenSaysWhere) {
-          const std::string good = V1File(Lists(), 4, true);
-          const std::size_t size_at = good.size() - 8;
-          std::string file = good;
-          file.replace(size_at, 4, Little(static_cast<std::uint32_t>(good.size() - 12)));
-          EXPECT_THAT(ErrorIn(file), testing::Not(HasSubstr("its description is too long")));
-          file.replace(size_at, 4, Little(static_cast<std::uint32_t>(good.size() - 11)));
-          EXPECT_THAT(ErrorIn(file), HasSubstr("its description is too long"));
-          EXPECT_THAT(ErrorIn(good.substr(0, good.size() - 1) + "E"), HasSubstr("is encrypted"));
-          EXPECT_THAT(ErrorIn(good.substr(0, good.size() - 1) + "X"),
-                      HasSubstr("its end is missing"));
-          EXPECT_THAT(ErrorIn("PAR1\1\0\0PAR1"), HasSubstr("it ends too early"));
-          // One value more in a page than in its column, and one fewer in the dictionary.
-          for (const std::int64_t codec : {-1, 8}) {
-            V1Column column = Lists();
-            column.codec = codec;
-            EXPECT_THAT(ErrorIn(V1File(column, 4, true)),
-                        HasSubstr("is compressed by an unknown one"));
-          }
-          V1Column column = NewerLists();
-          column.defined += std::string(100, '\0');
-          EXPECT_EQ(ErrorIn(V1File(column, 4, true)), "");  // levels may have bytes behind them
-          column = Lists();
-          column.encoding = 10;
-          EXPECT_THAT(ErrorIn(V1File(column, 4, true)),
-                      HasSubstr("has the encoding an unknown one"));
-          // A list that begins with a second item.
-          column = Lists();
-          column.levels.replace(5, 1, std::string{0b01010011});
-          EXPECT_THAT(ErrorIn(V1File(column, 4, true)),
-                      HasSubstr("a list begins with its second item"));
-        }
-
-        TEST(Parquet, NamesOfGroupsStandBeforeThoseOfColumns) {
-          const V1Column two = {.encoding = 0,
-                                .levels = "",
-                                .values = Little(1.0) + Little(2.0),
-                                .dictionary = "",
-                                .count = 2};
-          const std::string leaf = Number(1, 5) + Number(2, 0) + Text(1, "x");
-          const auto name = [&](const std::vector<std::string>& schema) {
-            return ReadParquet(V1File(two, 2, schema, 5))[0].name;
-          };
-          const std::string group = Number(3, 0) + Text(1, "hand") + Number(1, 1);
-          EXPECT_EQ(name({leaf}), "x");
-          EXPECT_EQ(name({group, leaf}), "hand_x");
-          EXPECT_EQ(name({group, Number(3, 0) + Text(1, "tip") + Number(1, 1), leaf}),
-                    "hand_tip_x");
-          // Up to 32 in each other.
-          std::vector<std::string> deep(32, group);
-          deep.push_back(leaf);
-          EXPECT_EQ(name(deep).substr(0, 10), "hand_hand_");
-          deep.insert(deep.begin(), group);
-          EXPECT_THAT(ErrorIn(V1File(two, 2, deep, 5)), HasSubstr("its schema is cut off"));
-          EXPECT_THAT(ErrorIn(V1File(two, 2, {group}, 5)), HasSubstr("its schema is cut off"));
-        }
-
-        TEST(Parquet, ThatIsNotReadSaysWhy) {
-          V1Column column = Lists();
-          column.codec = 4;
-          EXPECT_THAT(ErrorIn(V1File(column, 4, true)), HasSubstr("brotli"));
-          column = Lists();
-          column.encoding = 9;
-          EXPECT_THAT(ErrorIn(V1File(column, 4, true)),
-                      HasSubstr("column f has the encoding BYTE_STREAM_SPLIT"));
-          EXPECT_THAT(ErrorIn(V1File(Lists(), 5, true)), HasSubstr("column f has not all rows"));
-          column = Lists();
-          column.dictionary = Little(1.0);
-          EXPECT_THAT(ErrorIn(V1File(column, 4, true)), HasSubstr("not in its dictionary"));
-          // Repetition 0 0 0 0 1 0 1: the first lists have one value.
-          column = Lists();
-          column.levels.replace(5, 1, std::string{0b01010000});
-          EXPECT_THAT(ErrorIn(V1File(column, 5, true)),
-                      HasSubstr("row 1 of column f has 1 values"));
-          EXPECT_THAT(ErrorIn("PAR1PAR1"), HasSubstr("is damaged"));
-        }
-
-        // Every byte of a file, changed in several ways, and every length of it.
-        TEST(Parquet, ThatIsDamagedIsReadOrRefused) {
-          for (const std::string& whole :
-               {V1File(Lists(), 4, true), ListsOfLists(static_cast<char>(0b10011000)),
-                Shipped("snappy.parquet"), Shipped("uncompressed.parquet")}) {
-            const std::size_t step = whole.size() < 1000 ? 1 : 7;
-            for (std::size_t i = 0; i < whole.size(); i += step) {
-              for (const int change : {1, 0x80, 0xff}) {
-                std::string damaged = whole;
-                damaged[i] = static_cast<char>(damaged[i] ^ change);
-                ErrorIn(damaged);
-              }
-              EXPECT_NE(ErrorIn(whole.substr(0, i)), "") << i;
-            }
-          }
-        }
-
-      }  // namespace
-    }    // namespace gauntlet::sim
+}  // namespace
+}  // namespace gauntlet::sim
