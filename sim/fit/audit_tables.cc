@@ -248,9 +248,7 @@ Verdict VerdictOf(const Audit& audit, const std::string& others_at) {
     if (fault.severity > kGrave) fix.insert(fix.begin(), fault.text);
   }
   for (const AuditedPart& part : audit.parts) {
-    constexpr double kNoDelay_rows = 0.1;
-    if (!(part.delay_ms.low < 1e3 * kNoDelay_rows / audit.rate_hz)) continue;
-    if (part.delay_ms.high - part.delay_ms.low > 1e3 / audit.rate_hz) continue;  // not known
+    if (!HasNoDelay(part.delay_ms.low, part.delay_ms.high, audit.rate_hz)) continue;
     look.push_back(part.name + " has no delay: its commands may be made of its angles");
   }
   const std::vector<std::string> still = KindSentences(audit, true);

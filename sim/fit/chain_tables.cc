@@ -254,6 +254,18 @@ Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain,
                        fmt::format("No result for {}: {}.{}", FirstNames(parts), problem,
                                    delays_ms.empty() ? "" : " The mean of the others is written."));
   }
+  std::vector<std::string> undelayed;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const auto& [value, low, high] = fits[i].delay_ms;
+    if (HasNoDelay(low, high, log.rate_hz)) undelayed.push_back(log.parts[i]);
+  }
+  if (!undelayed.empty() && !log.from_wearer) {
+    const bool is_one = undelayed.size() == 1;
+    verdict.AddWarning("no_delay",
+                       fmt::format("{} {} no delay: the commands may be made of the angles. A hand "
+                                   "has one; audit checks the log.",
+                                   FirstNames(std::move(undelayed)), is_one ? "has" : "have"));
+  }
   constexpr double kMostLeft = 0.25;  // of the motion
   std::vector<std::string> strays;
   double left = 0.0;

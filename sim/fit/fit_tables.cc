@@ -35,6 +35,12 @@ std::string FirstNames(std::vector<std::string> names) {
   return Listed(std::move(names));
 }
 
+bool HasNoDelay(double low_ms, double high_ms, double rate_hz) {
+  constexpr double kNoDelay_rows = 0.1;
+  const double row_ms = 1e3 / rate_hz;
+  return low_ms < kNoDelay_rows * row_ms && high_ms - low_ms <= row_ms;
+}
+
 ResultCell FixedCell(double value, int digits) { return {{value}, FixedText(value, digits)}; }
 
 ResultCell IntervalCell(const ChainEstimate& estimate, int digits) {

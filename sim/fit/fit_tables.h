@@ -16,6 +16,10 @@ std::string RangeText(const std::vector<double>& values, int digits);
 /// "a, b and c", "a, b, c and 3 others"
 std::string FirstNames(std::vector<std::string> names);
 
+/// True for a delay [ms] whose interval is known within a row and goes below a tenth of one: no
+/// hand follows its command so fast.
+bool HasNoDelay(double low_ms, double high_ms, double rate_hz);
+
 ResultCell FixedCell(double value, int digits);
 /// "46.0 (44.1..47.9)"
 ResultCell IntervalCell(const ChainEstimate& estimate, int digits);

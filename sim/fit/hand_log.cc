@@ -42,7 +42,14 @@ ChainEpisodes LoadHandLog(const std::filesystem::path& log, const HandLogOptions
   const bool is_output = std::filesystem::is_directory(log) && DataSetFiles(log).empty();
   const std::filesystem::path trace = is_output ? log / "trace.h5" : log;
   if (trace.extension() == ".h5" && options.table.array.empty()) {
-    return {.logs = {LogOfTrace(trace, options)}, .left_out = {}};
+    try {
+      return {.logs = {LogOfTrace(trace, options)}, .left_out = {}};
+    } catch (const UserError&) {
+      // HDF5 of other programs is a table, if no trace was asked for.
+      const bool is_asked = is_output || trace.filename() == "trace.h5" || options.from_wearer ||
+                            !options.controller.empty();
+      if (is_asked) throw;
+    }
   }
   if (!options.controller.empty()) {
     throw UserError({.place = "--controller " + options.controller,

@@ -142,6 +142,13 @@ void RecordingReader::CheckRange(std::size_t channel, double angle_rad) {
                      joint.min_deg, joint.max_deg));
 }
 
+/// A row that was written twice.
+bool RecordingReader::IsSameAsLast() const {
+  return std::ranges::equal(values_, last_values_, [](double one, double other) {
+    return one == other || (std::isnan(one) && std::isnan(other));
+  });
+}
+
 bool RecordingReader::FixTime(double& time_s) {
   if (map_.time.empty()) {
     time_s = good_rows_ * row_period_s_;
@@ -159,6 +166,10 @@ bool RecordingReader::FixTime(double& time_s) {
   const double step_s = time_s - last_time_s_;
   if (GoesOn(handling_) && IsWildTime(step_s)) {
     Note(RecordingProblem::kWildTime, row_);
+    return false;
+  }
+  if (step_s == 0.0 && GoesOn(handling_) && IsSameAsLast()) {
+    ++doubled_rows_;
     return false;
   }
   if (step_s > 0.0) {
@@ -218,6 +229,7 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
     if (!FixTime(now_s)) continue;
     if (good_rows_++ > 0) last_step_s_ = now_s - last_time_s_;
     last_time_s_ = time_s = now_s;
+    last_values_ = values_;
     for (std::size_t c = 0; c < angle_rad.size(); ++c) angle_rad[c] = kMissing;
     for (std::size_t i = 0; i < channels_.size(); ++i) {
       double& angle = angle_rad[channels_[i]];
@@ -232,6 +244,10 @@ bool RecordingReader::NextRow(double& time_s, std::span<double> angle_rad) {
 std::vector<std::string> RecordingReader::Remarks() const {
   std::vector<std::string> remarks = notes_;
   if (midnight_.midnights() > 0) remarks.emplace_back(kPastMidnight);
+  if (doubled_rows_ > 0) {
+    remarks.push_back(
+        fmt::format("{} rows repeat the one before and its time: left out", doubled_rows_));
+  }
   for (std::string& remark : csv_->remarks()) remarks.push_back(OneLine(remark));
   for (const auto& [problem, count] : problems_) remarks.push_back(Remark(problem, count));
   for (std::size_t i = 0; i < channels_.size(); ++i) {

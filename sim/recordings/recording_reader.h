@@ -41,7 +41,8 @@ bool IsFarBeyondRange(const Channel& joint, double angle_rad);
 /// Reads a recording row by row, in one pass and with flat memory: angles [rad] at times [s] that
 /// rise strictly. A missing value is NaN.
 ///
-/// Faults found: everything that CsvReader finds; time that stands still (the row is left out),
+/// Faults found: everything that CsvReader finds; time that stands still (the row is left out; one
+/// that also repeats all values was written twice: a repair leaves it out and counts none),
 /// that goes back by up to a second (left out) or by more (a new start of the clock: time goes on),
 /// gaps, a wild time (left out: one row far ahead or far back, while the next row goes on from the
 /// row before it; or the last row of the file, if it is more than a second away), and angles
@@ -87,6 +88,7 @@ class RecordingReader {
   void CheckRange(std::size_t channel, double angle_rad);
   bool ReadRow();
   bool FixTime(double& time_s);
+  bool IsSameAsLast() const;
   bool IsWildTime(double step_s);
   void AddChannels(const RecordingFormat& format);
 
@@ -101,6 +103,8 @@ class RecordingReader {
   std::vector<bool> has_channel_;
   std::vector<OwnCounts> own_counts_;
   std::vector<double> values_;
+  std::vector<double> last_values_;  // of the last row that was taken
+  std::size_t doubled_rows_ = 0;
   std::size_t row_ = 0;
   std::vector<double> next_values_;  // of the row behind, if it was needed
   std::size_t next_row_ = 0;

@@ -1,6 +1,7 @@
 #include "sim/recordings/table_statistics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <stdexcept>
@@ -73,6 +74,14 @@ double SlowDeviation(const std::vector<double>& values) {
   return (Quantile(means, 1.0 - kTail) - Quantile(means, kTail)) / kDeviations;
 }
 
+/// Numbers that programs write for a missing value.
+bool IsUsualCode(double value) {
+  constexpr std::array<double, 11> kCodes = {999.0,   -999.0,       9999.0,       -9999.0,
+                                             99999.0, -99999.0,     32767.0,      -32768.0,
+                                             65535.0, 2147483647.0, -2147483648.0};
+  return std::ranges::find(kCodes, value) != kCodes.end();
+}
+
 void AddThinned(std::vector<double>& values, double value) {
   if (values.size() < 4 * kMostKept) values.push_back(value);
 }
@@ -94,6 +103,14 @@ TableStatistics::TableStatistics(std::size_t columns)
     : columns_(columns), curvatures_(columns), steps_(columns) {}
 
 void TableStatistics::Look(Watch& watch, double value) {
+  if (IsUsualCode(value)) {
+    ++watch.codes[value];
+  } else if (watch.others++ == 0) {
+    watch.other_low = watch.other_high = value;
+  } else {
+    watch.other_low = std::min(watch.other_low, value);
+    watch.other_high = std::max(watch.other_high, value);
+  }
   if (watch.seen.good_rows == 0) {
     watch.seen.low = watch.seen.high = value;
   } else {
@@ -177,9 +194,11 @@ void TableStatistics::Add(double time_s, std::span<const double> values) {
     Watch& watch = columns_[c];
     curvatures_[c] = steps_[c] = controller::kNaN;
     if (!(std::abs(values[c]) <= kLargest)) continue;
-    if (watch.seen.good_rows >= 1) steps_[c] = values[c] - watch.before;
-    if (watch.seen.good_rows >= 2)
+    const bool is_code = IsUsualCode(values[c]) || IsUsualCode(watch.before);
+    if (watch.seen.good_rows >= 1 && !is_code) steps_[c] = values[c] - watch.before;
+    if (watch.seen.good_rows >= 2 && !is_code && !IsUsualCode(watch.before_that)) {
       curvatures_[c] = values[c] - 2.0 * watch.before + watch.before_that;
+    }
     Look(watch, values[c]);
   }
   if (rows_++ % every_ == 0) Keep(values);
@@ -199,8 +218,31 @@ ColumnStatistics TableStatistics::Column(std::size_t column) const {
   statistics.falling_share = static_cast<double>(watch.falls) / steps;
   statistics.counting_share = static_cast<double>(watch.still_rows + watch.ones) / steps;
   statistics.longest_still_rows = watch.longest_run + 1;
+  const double range = watch.other_high - watch.other_low;
+  std::vector<double> codes;
+  std::size_t in_codes = 0, most = 0;
+  double low = watch.other_low, high = watch.other_high;
+  for (const auto& [code, count] : watch.codes) {
+    const double away = std::max(watch.other_low - code, code - watch.other_high);
+    if (range > 0.0 && away > range && 2 * count < statistics.good_rows) {
+      codes.push_back(code);
+      in_codes += count;
+      if (count > most) most = count, statistics.code = code;
+    } else {
+      low = watch.others == 0 ? code : std::min(low, code);
+      high = watch.others == 0 ? code : std::max(high, code);
+    }
+  }
+  if (!codes.empty()) {
+    statistics.low = low;
+    statistics.high = high;
+    statistics.code_share =
+        static_cast<double>(in_codes) / static_cast<double>(statistics.good_rows);
+  }
   std::vector<double> values = KeptValues(column);
-  std::erase_if(values, [](double value) { return !(std::abs(value) <= kLargest); });
+  std::erase_if(values, [&](double value) {
+    return !(std::abs(value) <= kLargest) || std::ranges::find(codes, value) != codes.end();
+  });
   constexpr double kRareShare = 0.005;
   statistics.usual_low = values.empty() ? statistics.low : Quantile(values, kRareShare);
   statistics.usual_high = values.empty() ? statistics.high : Quantile(values, 1.0 - kRareShare);
@@ -212,7 +254,9 @@ ColumnStatistics TableStatistics::Column(std::size_t column) const {
   // table, of which a single row is a large share.
   constexpr double kCommonShare = 0.01;
   constexpr std::size_t kFewestAtEnd = 5;
-  for (const std::size_t at_end : {watch.at_low, watch.at_high}) {
+  for (const bool is_low : {true, false}) {
+    if (is_low ? statistics.low > watch.seen.low : statistics.high < watch.seen.high) continue;
+    const std::size_t at_end = is_low ? watch.at_low : watch.at_high;
     const double share = static_cast<double>(at_end) / rows;
     if (at_end < kFewestAtEnd || share < kCommonShare || !(statistics.low < statistics.high))
       continue;

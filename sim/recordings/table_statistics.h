@@ -1,13 +1,16 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
 
 namespace gauntlet::sim {
 
-/// Statistics of one column of numbers.
+/// Statistics of one column of numbers. Numbers that stand for a missing value count in good_rows
+/// and code_share alone: usual codes, as -9999 and 32767, that are further from all other values of
+/// the column than these are from each other.
 struct ColumnStatistics {
   std::size_t good_rows = 0;  // with a value of at most 1e100
   double low = 0.0;
@@ -27,6 +30,8 @@ struct ColumnStatistics {
   double counting_share = 0.0;   // steps of 0 or 1
   std::size_t turns = 0;         // steps of about 360
   bool is_whole = true;          // only whole numbers
+  double code = 0.0;             // the most frequent number that stands for a missing value
+  double code_share = 0.0;       // rows with such a number
 };
 
 /// Statistics of the rows' times.
@@ -70,6 +75,9 @@ class TableStatistics {
     std::size_t still_rows = 0, run = 0, longest_run = 0;
     std::size_t at_low = 0, at_high = 0;
     double before = 0.0, before_that = 0.0;
+    std::map<double, std::size_t> codes = {};  // rows of each usual code
+    double other_low = 0.0, other_high = 0.0;  // of all other values
+    std::size_t others = 0;
     std::size_t falls = 0, ones = 0;
   };
   void AddTime(double time_s);

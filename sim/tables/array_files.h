@@ -29,7 +29,7 @@ std::vector<NamedArray> ReadOctaveText(std::string_view text);
 
 /// The columns of numbers and flags of a Parquet file. A list in each row, also of lists, is an
 /// array with as many columns; a row without a list, and a null, are NaN. Other columns are left
-/// out, as texts, decimals of more than 64 bits and dates without a clock; times get their unit
+/// out, as texts, decimals in bytes and dates without a clock; times get their unit
 /// behind their name.
 ///
 /// Pages of version 1 and 2; encodings PLAIN, RLE and dictionary; not compressed, snappy, gzip or

@@ -12,6 +12,7 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <tuple>
 
 #include "controller/assert.h"
 #include "sim/base/error.h"
@@ -59,7 +60,8 @@ bool IsPeriod(std::string_view name) {
   const std::string bare = BareName(name);
   constexpr std::array<std::string_view, 5> kEnds = {
       "frameduration", "sampleperiod", "samplingperiod", "sampletime", "samplinginterval"};
-  return std::ranges::any_of(kEnds, [&](std::string_view end) { return bare.ends_with(end); });
+  return bare == "dt" ||
+         std::ranges::any_of(kEnds, [&](std::string_view end) { return bare.ends_with(end); });
 }
 
 /// Fit for a line of names: no separators, no quotes.
@@ -268,13 +270,29 @@ std::vector<NamedArray> SelectedArrays(std::vector<NamedArray> arrays,
   return taken;
 }
 
-/// The last lone number that is a rate, else a period; 0 if there is none.
-double RateIn(const std::vector<NamedArray>& arrays) {
+/// The rate that is noted beside the arrays that are taken, if they agree. Else a lone number: of
+/// the innermost group that also holds the first array that is taken; a rate before a period, the
+/// last before others. 0 if there is none.
+double RateIn(const std::vector<NamedArray>& arrays, const std::vector<ListedArray>& listed) {
+  std::set<double> noted;
+  std::string place;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (!listed[i].is_taken) continue;
+    if (place.empty()) place = arrays[i].name;
+    if (arrays[i].rate_hz > 0.0) noted.insert(arrays[i].rate_hz);
+  }
+  if (noted.size() == 1) return *noted.begin();
   double rate_hz = 0.0;
+  std::tuple<std::size_t, bool> best = {0, false};
   for (const NamedArray& array : arrays) {
     if (array.values.size() != 1) continue;
-    if (IsPeriod(array.name) && rate_hz == 0.0) rate_hz = RateOfPeriod(array.values.front());
-    if (IsRate(array.name)) rate_hz = array.values.front();
+    const double own_hz = RateOf(array.name, array.values.front());
+    const std::string group = GroupOf(array.name);
+    const std::tuple<std::size_t, bool> rank = {place.starts_with(group) ? group.size() + 1 : 0,
+                                                IsRate(array.name)};
+    if (!(own_hz > 0.0) || (rate_hz > 0.0 && rank < best)) continue;
+    rate_hz = own_hz;
+    best = rank;
   }
   return rate_hz;
 }
@@ -290,12 +308,17 @@ std::size_t SensorsOf(const NamedArray& array) {
 }
 
 /// `deg` or `rad` for a text that is such a unit.
+std::string AngleUnitOf(std::string_view text) {
+  const std::string unit = BareName(text);
+  if (unit == "rad" || unit == "radian" || unit == "radians") return "rad";
+  return unit == "deg" || unit == "degree" || unit == "degrees" ? "deg" : "";
+}
+
+/// Unit in a text beside arrays.
 std::string UnitIn(const NamedArray& texts) {
   const std::string bare = BareName(texts.name);
   if (texts.texts.size() != 1 || (!bare.ends_with("unit") && !bare.ends_with("units"))) return "";
-  const std::string unit = BareName(texts.texts.front());
-  if (unit == "rad" || unit == "radian" || unit == "radians") return "rad";
-  return unit == "deg" || unit == "degree" || unit == "degrees" ? "deg" : "";
+  return AngleUnitOf(texts.texts.front());
 }
 
 /// Numbers the points of hands in the names of columns: two or three coordinates of 21 to 27
@@ -389,11 +412,41 @@ std::string NameOfTimes(const std::string& name, std::string_view unit) {
   return is_time ? whole : fmt::format("{}_time_{}", name, unit);
 }
 
+double RateOf(std::string_view name, double number) {
+  if (IsRate(name)) return number > 0.0 ? number : 0.0;
+  return IsPeriod(name) ? RateOfPeriod(number) : 0.0;
+}
+
+bool IsNameOfNames(std::string_view name) {
+  const std::string bare = BareName(name);
+  return bare.ends_with("names") || bare.ends_with("labels");
+}
+
+void AddUnit(NamedArray& array, std::string_view unit) {
+  if (array.values.size() < 2) return;
+  if (array.columns == 1 && GroupOfTime(array)) {
+    // A name with a unit of its own keeps it.
+    const std::string whole = fmt::format("{}_{}", array.name, unit);
+    const std::string last = array.name.substr(array.name.rfind('_') + 1);
+    const bool has_none = TimeScaleS(fmt::format("{}_{}", last, unit)) || TimeScaleS(whole);
+    if (has_none) array.name = whole;
+    return;
+  }
+  const std::string ending = AngleUnitOf(unit);
+  if (ending.empty()) return;
+  for (std::size_t i = array.column_names.size(); i < SensorsOf(array); ++i) {
+    array.column_names.push_back(
+        SensorsOf(array) == 1 ? Plain(array.name) : fmt::format("{}_{}", Plain(array.name), i + 1));
+  }
+  for (std::string& name : array.column_names) {
+    if (!name.ends_with("_" + ending)) name += "_" + ending;
+  }
+}
+
 std::vector<NamedArray> WithFacts(std::vector<NamedArray> arrays) {
   const auto is_texts = [](const NamedArray& array) { return !array.texts.empty(); };
   for (const NamedArray& texts : arrays) {
-    const std::string bare = BareName(texts.name);
-    if (texts.texts.size() < 2 || !(bare.ends_with("names") || bare.ends_with("labels"))) continue;
+    if (texts.texts.size() < 2 || !IsNameOfNames(texts.name)) continue;
     const auto is_named = [&](const NamedArray& array) {
       return IsAbout(texts, array) && SensorsOf(array) == texts.texts.size();
     };
@@ -408,11 +461,7 @@ std::vector<NamedArray> WithFacts(std::vector<NamedArray> arrays) {
   for (const NamedArray& texts : arrays) {
     const std::string unit = UnitIn(texts);
     for (NamedArray& array : arrays) {
-      if (unit.empty() || !IsAbout(texts, array)) continue;
-      for (std::size_t i = array.column_names.size(); i < SensorsOf(array); ++i) {
-        array.column_names.push_back(fmt::format("{}_{}", Plain(array.name), i + 1));
-      }
-      for (std::string& name : array.column_names) name += "_" + unit;
+      if (!unit.empty() && IsAbout(texts, array)) AddUnit(array, unit);
     }
   }
   std::erase_if(arrays, is_texts);
@@ -437,7 +486,7 @@ std::vector<ListedArray> ListArrays(std::vector<NamedArray> arrays, std::string_
 
 void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen, PipeWriter& pipe) {
   const std::vector<std::string> left_out = RemoveLeftOut(arrays, chosen);
-  const double rate_hz = RateIn(arrays);
+  const double rate_hz = RateIn(arrays, Listed(arrays, left_out, chosen));
   arrays = SelectedArrays(std::move(arrays), left_out, chosen);
   std::vector<std::string> names;
   for (const NamedArray& array : arrays)

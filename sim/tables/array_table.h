@@ -21,7 +21,19 @@ struct NamedArray {
   std::vector<std::string> texts = {};  // of an array of texts, which has no values
   std::string left_out = {};  // why its values are not read, behind its name; empty: they are
   bool is_flat = true;        // of one or two dimensions
+  double rate_hz = 0.0;       // of its rows, if the file notes it beside the array; 0: it does not
 };
+
+/// Hz, by the name of a lone number: a rate (`fs`, `fps`), or a period between rows (`dt`, up to
+/// 0.1 in s, from 1 in ms); 0 for all others.
+double RateOf(std::string_view name, double number);
+
+/// True for the name of texts that name the columns of an array, as `sensornames` and `labels`.
+bool IsNameOfNames(std::string_view name);
+
+/// Puts a unit that is noted beside an array into the names of its columns: `deg` or `rad` of
+/// numbers, and the unit of a time. Other units change nothing.
+void AddUnit(NamedArray& array, std::string_view unit);
 
 /// Order of the values of an array: the last dimension changes first, as in C, or the first one, as
 /// in Fortran and MATLAB.
@@ -69,10 +81,9 @@ std::string TextOf(const std::vector<ListedArray>& arrays);
 std::vector<ListedArray> ListArrays(std::vector<NamedArray> arrays, std::string_view chosen);
 
 /// One table of the arrays that ListArrays() takes, side by side in their order. What was chosen by
-/// its group has names without it, and so have times. A lone number called fs, rate or the like is
-/// the rate, one called frame_duration or the like its inverse (up to 0.1 in s, from 1 in ms): the
-/// table begins with a time then, unless it has one. A remark lists the arrays that are left out,
-/// unless one is chosen. Errors: as ListArrays().
+/// its group has names without it, and so have times. A rate of an array, else a lone number that
+/// is one by RateOf(), of the same group before others, gives the table a time, unless it has one.
+/// A remark lists the arrays that are left out, unless one is chosen. Errors: as ListArrays().
 void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen, PipeWriter& pipe);
 
 }  // namespace gauntlet::sim

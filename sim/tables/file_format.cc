@@ -32,7 +32,7 @@ struct Signature {
   std::string_view bytes;  // at the beginning of the file
   FileFormat format;
 };
-constexpr std::array<Signature, 14> kSignatures = {{
+constexpr std::array<Signature, 23> kSignatures = {{
     {"\x89HDF\r\n\x1a\n"sv, FileFormat::kHdf5},
     {"\x93NUMPY"sv, FileFormat::kNpy},
     {"\x1f\x8b"sv, FileFormat::kGzip},
@@ -45,6 +45,15 @@ constexpr std::array<Signature, 14> kSignatures = {{
     {"\x1a\x45\xdf\xa3"sv, FileFormat::kVideo},  // Matroska, WebM
     {"XDF:"sv, FileFormat::kXdf},
     {"Kaydara FBX Binary"sv, FileFormat::kFbx},
+    {"ARROW1"sv, FileFormat::kArrow},
+    {"FEA1"sv, FileFormat::kArrow},
+    {"\xff\x42IOSEMI"sv, FileFormat::kEdf},
+    {"TDSm"sv, FileFormat::kTdms},
+    {"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"sv, FileFormat::kXls},
+    {"\x80\x02"sv, FileFormat::kPickle},
+    {"\x80\x03"sv, FileFormat::kPickle},
+    {"\x80\x04\x95"sv, FileFormat::kPickle},
+    {"\x80\x05\x95"sv, FileFormat::kPickle},
     {"\xff\xfe"sv, FileFormat::kUtf16},
     {"\xfe\xff"sv, FileFormat::kUtf16},
 }};
@@ -56,7 +65,7 @@ struct FormatFacts {
   std::string_view way_out = "";
 };
 const FormatFacts& FactsOf(FileFormat format) {
-  static constexpr std::array<FormatFacts, 28> kFacts = {{
+  static constexpr std::array<FormatFacts, 34> kFacts = {{
       {FileFormat::kText, "text", "text"},
       {FileFormat::kUtf16, "UTF-16 text", "text"},
       {FileFormat::kBvh, "BVH"},
@@ -90,6 +99,15 @@ const FormatFacts& FactsOf(FileFormat format) {
       {FileFormat::kFbx, "FBX", "other", "write its skeleton as BVH, with Blender"},
       {FileFormat::kUrdf, "a URDF, a model of a robot", "other",
        "a hand must be an MJCF file as models/README.md describes"},
+      {FileFormat::kArrow, "Arrow or Feather", "other",
+       "write it as Parquet: pyarrow.parquet.write_table(TABLE, FILE)"},
+      {FileFormat::kEdf, "EDF or BDF", "other", "write its signals as CSV, with pyedflib"},
+      {FileFormat::kTdms, "TDMS of LabVIEW", "other", "write a group as CSV, with nptdms"},
+      {FileFormat::kWave, "a WAV of sound", "other",
+       "write its samples as NPY, with scipy.io.wavfile, and give --rate HZ"},
+      {FileFormat::kPickle, "a pickle of Python", "other",
+       "write its arrays as NPZ: numpy.savez(FILE, t=TIME, angles=ANGLES)"},
+      {FileFormat::kXls, "XLS", "other", "save the sheet as CSV"},
       {FileFormat::kBinary, "binary, of a kind that is not known", "other",
        "export it as CSV from the program that wrote it"},
   }};
@@ -240,6 +258,19 @@ FileFormat FormatOfBytes(std::string_view head) {
     if (order == "IM" || order == "MI") return FileFormat::kMat;
   }
   if (IsMat4(head)) return FileFormat::kMat;
+  // A stream: the mark of a message, and the size of the schema.
+  constexpr std::size_t kSizeBehind = 8;
+  if (head.size() > kSizeBehind && head.starts_with("\xff\xff\xff\xff") &&
+      head.substr(0, kSizeBehind).ends_with("\0\0"sv)) {
+    return FileFormat::kArrow;
+  }
+  if (head.starts_with("RIFF") && head.substr(0, 12).ends_with("WAVE")) return FileFormat::kWave;
+  // Version, and the date and the time at their places.
+  constexpr std::size_t kDateAt = 168;
+  if (head.starts_with("0       ") && head.size() >= kDateAt + 16 && head[kDateAt + 2] == '.' &&
+      head[kDateAt + 5] == '.' && head[kDateAt + 10] == '.' && head[kDateAt + 13] == '.') {
+    return FileFormat::kEdf;
+  }
   // The block of the parameters, the second as a rule, and the format's number.
   const bool is_c3d = head.size() > 2 && head[0] > 1 && head[0] < 16 && head[1] == '\x50';
   if (is_c3d && head.find('\0') != std::string_view::npos) return FileFormat::kC3d;
@@ -286,6 +317,12 @@ void CheckFolder(const fs::path& file) {
   std::error_code ignored;
   if (!fs::is_directory(file, ignored)) return;
   const bool is_output = fs::exists(file / "manifest.json", ignored);
+  for (const char* name : {"zarr.json", ".zgroup", ".zarray"}) {
+    if (!fs::exists(file / name, ignored)) continue;
+    throw UserError({.place = file.string(),
+                     .problem = "is Zarr, which is not read; write its arrays as NPZ: "
+                                "numpy.savez(FILE, t=TIME, angles=ANGLES)"});
+  }
   throw UserError(
       {.place = file.string(),
        .problem = is_output

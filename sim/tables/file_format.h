@@ -37,6 +37,12 @@ enum class FileFormat {
   kXdf,  // of the Lab Streaming Layer
   kFbx,  // of animation
   kUrdf,
+  kArrow,   // IPC and Feather
+  kEdf,     // EDF and BDF of biosignals
+  kTdms,    // of LabVIEW
+  kWave,    // sound
+  kPickle,  // objects of Python
+  kXls,     // of older Excel
   kBinary,
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "sim/base/helper_process.h"
 #include "sim/tables/array_files.h"
 #include "sim/tables/array_table.h"
+#include "sim/tables/missing.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
@@ -57,6 +59,40 @@ std::vector<std::string> TextsIn(const H5::Attribute& attribute) {
   return texts;
 }
 
+/// The number in an attribute; NaN if it holds none, or several.
+double NumberIn(const H5::Attribute& attribute) {
+  double number = kMissing;
+  const H5T_class_t kind = attribute.getTypeClass();
+  if (kind != H5T_FLOAT && kind != H5T_INTEGER) return number;
+  if (attribute.getSpace().getSimpleExtentNpoints() != 1) return number;
+  attribute.read(H5::PredType::NATIVE_DOUBLE, &number);
+  return number;
+}
+
+/// Texts in an attribute, none if it holds other things.
+std::vector<std::string> TextsOf(const H5::Attribute& attribute) {
+  constexpr hssize_t kMost = 4096;
+  if (attribute.getTypeClass() != H5T_STRING) return {};
+  if (attribute.getSpace().getSimpleExtentNpoints() > kMost) return {};
+  return TextsIn(attribute);
+}
+
+/// Rates that are noted at a group, as lone numbers in it.
+void AddRates(const H5::Group& group, const std::string& path, std::vector<NamedArray>& arrays) {
+  for (int i = 0; i < group.getNumAttrs(); ++i) {
+    try {
+      const H5::Attribute attribute = group.openAttribute(static_cast<unsigned>(i));
+      const std::string name = attribute.getName();
+      const double number = NumberIn(attribute);
+      if (!(RateOf(name, number) > 0.0)) continue;
+      arrays.push_back(
+          {.name = path.empty() ? name : path + "_" + name, .rows = 1, .values = {number}});
+    } catch (const H5::Exception&) {
+      continue;  // of a kind that this library does not read
+    }
+  }
+}
+
 /// The text of an attribute; empty without one.
 std::string TextOf(const H5::DataSet& dataset, const char* attribute_name) {
   if (!dataset.attrExists(attribute_name)) return "";
@@ -74,6 +110,51 @@ std::string NameWithUnit(const H5::DataSet& dataset, const std::string& place) {
   const std::string units = TextOf(dataset, "units");
   const std::optional<double> scale_s = TimeScaleS(units.substr(0, units.find(' ')));
   return scale_s && *scale_s != 1.0 ? NameOfTimes(place, UnitOfSeconds(*scale_s)) : place;
+}
+
+/// Facts that are noted at a dataset: what stands for a missing value, a scale and an offset, the
+/// unit, the rate of the rows, and names of the columns. Source: CF conventions 1.11, 2.5.1 and 8.1
+/// (`_FillValue` is compared before `scale_factor` counts); `conversion` and `offset` of NWB 2.
+void UseAttributes(const H5::DataSet& dataset, NamedArray& array) {
+  std::string unit;
+  double scale = 1.0, offset = 0.0, factor = 1.0, shift = 0.0;
+  for (int i = 0; i < dataset.getNumAttrs(); ++i) {
+    try {
+      const H5::Attribute attribute = dataset.openAttribute(static_cast<unsigned>(i));
+      const std::string name = BareName(attribute.getName());
+      const double number = NumberIn(attribute);
+      const std::vector<std::string> texts = TextsOf(attribute);
+      if ((name == "fillvalue" || name == "missingvalue") && std::isfinite(number)) {
+        std::ranges::replace(array.values, number, kMissing);
+      }
+      if (name == "scalefactor" && std::isfinite(number)) scale = number;
+      if (name == "addoffset" && std::isfinite(number)) offset = number;
+      if (name == "conversion" && std::isfinite(number)) factor = number;
+      if (name == "offset" && std::isfinite(number)) shift = number;
+      if ((name == "unit" || name == "units") && texts.size() == 1) unit = texts.front();
+      if (const double rate_hz = RateOf(name, number); rate_hz > 0.0) array.rate_hz = rate_hz;
+      const bool are_names = IsNameOfNames(name) || name == "columns" || name == "channels";
+      if (are_names && texts.size() > 1 && texts.size() == array.columns &&
+          array.column_names.empty()) {
+        array.column_names = texts;
+      }
+    } catch (const H5::Exception&) {
+      continue;  // of a kind that this library does not read
+    }
+  }
+  if (factor != 1.0) {  // an offset alone may be one of anything
+    scale = factor;
+    offset = shift;
+  }
+  if (scale != 1.0 || offset != 0.0) {
+    for (double& value : array.values) value = scale * value + offset;
+  }
+  const std::string with_unit = NameWithUnit(dataset, array.name);
+  if (with_unit != array.name) {
+    array.name = with_unit;
+  } else if (!unit.empty()) {
+    AddUnit(array, unit);
+  }
 }
 
 /// A filter that this program does not have, as lzf; empty if it has all.
@@ -257,7 +338,7 @@ void AddArrays(const H5::DataSet& dataset, const std::string& place, bool is_of_
   ReadValues(dataset, H5::PredType::NATIVE_DOUBLE, shape,
              is_reversed ? ArrayOrder::kColumns : ArrayOrder::kRows, array);
   if (matlab_class == "char") return AddTexts(std::move(array), arrays);
-  array.name = NameWithUnit(dataset, place);
+  UseAttributes(dataset, array);
   arrays.push_back(std::move(array));
 }
 
@@ -291,6 +372,7 @@ void Collect(const H5::Group& group, const std::string& path, int depth,
              std::vector<NamedArray>& arrays) {
   constexpr int kDeepest = 8;
   const bool is_of_octave = group.attrExists("OCTAVE_NEW_FORMAT");
+  AddRates(group, path, arrays);
   for (hsize_t i = 0; i < group.getNumObjs(); ++i) {
     const std::string name = group.getObjnameByIdx(i);
     const std::string place = path.empty() ? name : path + "_" + name;

@@ -427,7 +427,7 @@ std::string ProblemOf(const Topic& topic) {
   if (!topic.problem.empty()) return topic.problem;
   if (topic.encoding == "json") return "";
   if (topic.encoding != "cdr") {
-    return fmt::format("its messages are encoded as {}, not as cdr or json",
+    return fmt::format("its messages are encoded as {}, not as cdr or json; write them as json",
                        topic.encoding.empty() ? "nothing known" : OneLine(topic.encoding, 30));
   }
   const bool has_text = topic.schema_encoding == "ros2msg" && !topic.schema.empty();

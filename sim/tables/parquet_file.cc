@@ -32,6 +32,7 @@ constexpr std::int64_t kMostPageBytes = std::int64_t{1} << 28;
 constexpr std::int64_t kMostPageValues = std::int64_t{1} << 26;   // half a gigabyte of numbers
 constexpr std::string_view kNamelessIndex = "__index_level_0__";  // of pandas
 constexpr std::string_view kTexts = "texts";
+constexpr std::string_view kDecimals = "decimals in bytes; write them as doubles";
 constexpr double kNull = std::numeric_limits<double>::quiet_NaN();
 
 // Numbers of parquet.thrift.
@@ -91,10 +92,9 @@ std::string_view ReasonToLeaveOut(const ThriftValue& element) {
   if (type == kParquetFixedBytes) {
     const bool is_half = element[10].Has(kHalf) && element.NumberOr(2, 0) == 2;
     if (is_half || IsInterval(element)) return "";
-    return is_decimal ? "decimals of more than 64 bits" : "bytes";
+    return is_decimal ? kDecimals : std::string_view("bytes");
   }
-  if (type == kParquetBytes)
-    return is_decimal ? std::string_view("decimals of more than 64 bits") : kTexts;
+  if (type == kParquetBytes) return is_decimal ? kDecimals : kTexts;
   const bool is_number = type >= kParquetBoolean && type <= kParquetDouble;
   return is_number ? "" : "no numbers";
 }

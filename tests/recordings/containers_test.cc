@@ -269,6 +269,47 @@ TEST_F(Containers, Hdf5WhoseValuesAreNotInTheFileIsLeftOut) {
   }
 }
 
+void Note(const H5::H5Object& object, const char* name, double number) {
+  object.createAttribute(name, H5::PredType::NATIVE_DOUBLE, H5::DataSpace(H5S_SCALAR))
+      .write(H5::PredType::NATIVE_DOUBLE, &number);
+}
+
+void Note(const H5::H5Object& object, const char* name, const std::string& text) {
+  const H5::StrType type(H5::PredType::C_S1, text.size());
+  object.createAttribute(name, type, H5::DataSpace(H5S_SCALAR)).write(type, text);
+}
+
+/// The numbers of a table mean what the file notes beside them. Wrong: whole hundredths of a degree
+/// as counts, and 50 Hz for a file that says 100.
+TEST_F(Containers, Hdf5UsesTheUnitsScalesAndRatesThatItNotes) {
+  const fs::path file = Path("noted.h5");
+  {
+    const H5::H5File output(file.string(), H5F_ACC_TRUNC);
+    const H5::DataSet scaled = AddNumbers(output, "index_mcp", {4});
+    Note(scaled, "units", "degrees");
+    Note(scaled, "scale_factor", 0.5);
+    Note(scaled, "add_offset", 10.0);
+    Note(scaled, "_FillValue", 2.0);  // before the scale
+    const H5::DataSet time = AddNumbers(output, "time", {4});
+    Note(time, "units", "ms");
+    const H5::DataSet speed = AddNumbers(output, "speed", {4});
+    Note(speed, "units", "rad/s");
+    Note(speed, "offset", 5.0);  // of anything
+  }
+  EXPECT_EQ(TableOf(file), "index_mcp_deg,speed,time_ms\n10,0,0\n10.5,1,1\n,2,2\n11.5,3,3\n");
+  const fs::path rates = Path("rates.h5");
+  {
+    const H5::H5File output(rates.string(), H5F_ACC_TRUNC);
+    AddNumbers(output, "q", {3, 2});
+    Note(output, "fps", 100.0);
+    const H5::Group other = output.createGroup("camera");
+    AddNumbers(other, "x", {2});
+    Note(other, "fps", 30.0);
+  }
+  EXPECT_EQ(TableOf(rates), "time_s,q_1,q_2\n0,0,1\n0.01,2,3\n0.02,4,5\n");
+  EXPECT_EQ(TableOf(rates, "camera_x").substr(0, 10), "time_s,x\n0");
+}
+
 /// Stands for a compression that the reader does not have.
 std::size_t Unchanged(unsigned, std::size_t, const unsigned*, std::size_t bytes, std::size_t*,
                       void**) {

@@ -445,6 +445,28 @@ TEST(FileFormats, HaveNamesAndAWayOutWhereTheyAreNotRead) {
   }
 }
 
+TEST(FormatOfBytes, NamesAWayOutOfWhatIsNotRead) {
+  const std::string edf = "0       " + std::string(160, 'x') + "01.01.2401.01.01768     ";
+  for (const auto& [head, format] :
+       {std::pair("ARROW1\0\0"s, FileFormat::kArrow),
+        std::pair("\xff\xff\xff\xff\x10\2\0\0\x10"s, FileFormat::kArrow),
+        std::pair("TDSm\x0e\0"s, FileFormat::kTdms), std::pair(edf, FileFormat::kEdf),
+        std::pair("RIFF\1\1\0\0WAVEfmt "s, FileFormat::kWave),
+        std::pair("\x80\4\x95\1\0"s, FileFormat::kPickle),
+        std::pair("\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"s, FileFormat::kXls)}) {
+    EXPECT_EQ(FormatOfBytes(head), format) << NameOf(format);
+    EXPECT_NE(WayOut(format), "");
+  }
+}
+
+/// Wrong: the rate of the last group for all.
+TEST(WriteTable, TakesTheRateOfItsOwnGroup) {
+  EXPECT_EQ(TableOf({{.name = "glove_angles", .rows = 3, .values = {7, 8, 9}},
+                     {.name = "glove_fs", .rows = 1, .values = {50}},
+                     {.name = "imu_fs", .rows = 1, .values = {200}}}),
+            "time_s,glove_angles\n0,7\n0.02,8\n0.04,9\n");
+}
+
 TEST(WithFacts, NamesColumnsAndUnitsByTheTextsBesideThem) {
   const std::vector<double> five(3 * 2, 0.5);
   std::vector<NamedArray> arrays = {

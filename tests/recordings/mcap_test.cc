@@ -146,15 +146,15 @@ TEST(Mcap, HasTopicsToChooseFrom) {
     EXPECT_FALSE(topics[1].is_taken);
     EXPECT_FALSE(OpenTable(file, "/commands").topics[1].has_stamps);
     EXPECT_EQ(topics[3].messages, 6U);
-    EXPECT_THAT(topics[3].problem, HasSubstr("encoded as protobuf, not as cdr or json"));
+    EXPECT_THAT(topics[3].problem,
+                HasSubstr("encoded as protobuf, not as cdr or json; write them as json"));
     EXPECT_THAT(ErrorOfTopic(file),
                 HasSubstr("has several topics: /joint_states, /commands, /fingers; --topic NAME "
                           "takes one"));
     EXPECT_THAT(ErrorOfTopic(file, "/joint_state"), HasSubstr("did you mean /joint_states?"));
-    EXPECT_THAT(
-        ErrorOfTopic(file, "/camera"),
-        HasSubstr(
-            "topic /camera is not read: its messages are encoded as protobuf, not as cdr or json"));
+    EXPECT_THAT(ErrorOfTopic(file, "/camera"),
+                HasSubstr("topic /camera is not read: its messages are encoded as protobuf, not as "
+                          "cdr or json; write them as json"));
   }
 }
 

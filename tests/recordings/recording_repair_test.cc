@@ -107,6 +107,16 @@ TEST(RecordingRepair, MakesTimeRise) {
             "in.csv:4:1: the time is 10.01 s, must be above 10.01 s of the row before");
 }
 
+/// A row that was written twice is one row, and no repair. Wrong: half of the file is a repair.
+TEST(RecordingRepair, TakesARowThatWasWrittenTwiceOnce) {
+  std::string text = "time_s,index_mcp\n";
+  for (int row = 0; row < 40; ++row) text += fmt::format("{:.2f},{}\n", 0.01 * (row / 2), row / 2);
+  const ReadResult result = Repair(text);
+  EXPECT_EQ(result.rows.size(), 20U);
+  EXPECT_THAT(result.remarks,
+              ElementsAre("in.csv: 20 rows repeat the one before and its time: left out"));
+}
+
 /// Times of 9 rows at 100 Hz from 10 s, of which some lines of the file have another.
 std::string Times(const std::map<int, double>& wild_s) {
   std::string text = "time_s,index_mcp\n";

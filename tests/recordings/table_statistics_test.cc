@@ -38,6 +38,27 @@ TEST(TableStatistics, CountsTheRowsBetweenTheStepsOfACoarseClock) {
   EXPECT_DOUBLE_EQ(statistics.Time().mean_rate_hz, 100.0);
 }
 
+/// A code for a missing value is none of the values: wrong are a range four times as wide, and an
+/// unknown unit. Inside the range of the others it is a value.
+TEST(TableStatistics, KnowsCodesOfMissingValues) {
+  TableStatistics statistics(2);
+  for (int row = 0; row < 3000; ++row) {
+    const double angle = 4250.0 + 3750.0 * std::sin(0.02 * row);
+    const bool is_lost = row >= 700 && row < 720;
+    const double values[] = {is_lost ? 32767.0 : std::round(angle), row % 1024 * 1.0};
+    statistics.Add(0.01 * row, values);
+  }
+  const ColumnStatistics lost = statistics.Column(0);
+  EXPECT_EQ(lost.code, 32767.0);
+  EXPECT_NEAR(lost.code_share, 20.0 / 3000.0, 1e-9);
+  EXPECT_EQ(lost.high, 8000.0);
+  EXPECT_LE(lost.usual_high, 8000.0);
+  EXPECT_EQ(lost.spike_share, 0.0);
+  const ColumnStatistics counts = statistics.Column(1);
+  EXPECT_EQ(counts.code_share, 0.0);
+  EXPECT_EQ(counts.high, 1023.0);
+}
+
 TEST(TableStatistics, RefusesRowsAndColumnsOfAnotherTable) {
   TableStatistics statistics(2);
   const double values[] = {1.0, 2.0, 3.0};

@@ -10,6 +10,7 @@
 #include "sim/base/channels.h"
 #include "sim/base/quantile.h"
 #include "sim/base/signal.h"
+#include "sim/base/text.h"
 #include "sim/recordings/column_scale.h"
 
 namespace gauntlet::sim {
@@ -68,6 +69,22 @@ double DriftOf(const Inspection& inspection, std::size_t column) {
   return std::abs(rests.back() - rests.front()) / (is.usual_high - is.usual_low);
 }
 
+/// The first sensor that moves and has the same value in every row of the picture.
+std::optional<std::size_t> CopyOf(const Inspection& inspection, std::size_t column) {
+  constexpr std::size_t kFewestRows = 100;
+  const std::vector<double>& own = inspection.picture_values[column];
+  if (own.size() < kFewestRows || inspection.columns[column].is_dead) return std::nullopt;
+  for (const std::size_t other : inspection.Sensors()) {
+    if (other >= column || inspection.columns[other].is_dead) continue;
+    if (std::ranges::equal(own, inspection.picture_values[other], [](double one, double two) {
+          return one == two || (std::isnan(one) && std::isnan(two));
+        })) {
+      return other;
+    }
+  }
+  return std::nullopt;
+}
+
 constexpr HealthRule kHealthRules[] = {
     {"dead",
      [](const Inspection& inspection, std::size_t c) -> std::optional<double> {
@@ -84,7 +101,12 @@ constexpr HealthRule kHealthRules[] = {
        const ColumnStatistics& is = StatisticsOf(inspection, c);
        return IsOnlyNoise(inspection.columns[c]) ? std::optional(RangeOverNoise(is)) : std::nullopt;
      },
-     [](const Inspection&, std::size_t, double value, const Others& others) {
+     [](const Inspection& inspection, std::size_t, double value, const Others& others) {
+       constexpr double kSlow_hz = 8.0;
+       if (inspection.time.rate_hz < kSlow_hz) {
+         return fmt::format("{:.3g} rows per second are too few to tell movement from noise",
+                            inspection.time.rate_hz);
+       }
        return fmt::format("does not move: range/noise {:.0f}{}; check its cable", value,
                           others.range_over_noise > 0.0
                               ? fmt::format(", others {:.0f}", others.range_over_noise)
@@ -101,6 +123,24 @@ constexpr HealthRule kHealthRules[] = {
      [](const Inspection&, std::size_t, double value, const Others&) {
        return fmt::format("missing in {} of the rows; check its plug and its sender",
                           Percent(value));
+     }},
+    {"missing_code",
+     [](const Inspection& inspection, std::size_t c) {
+       return IfAbove(StatisticsOf(inspection, c).code_share, 0.0);
+     },
+     [](const Inspection& inspection, std::size_t c, double value, const Others&) {
+       return fmt::format("{:.10g} in {} of the rows stands for a missing value",
+                          StatisticsOf(inspection, c).code, Percent(value));
+     }},
+    {"copy",
+     [](const Inspection& inspection, std::size_t c) -> std::optional<double> {
+       const std::optional<std::size_t> other = CopyOf(inspection, c);
+       return other ? std::optional(static_cast<double>(*other + 1)) : std::nullopt;
+     },
+     [](const Inspection& inspection, std::size_t, double value, const Others&) {
+       const auto column = static_cast<std::size_t>(value) - 1;
+       return fmt::format("equals column {} '{}' in every row; check its cable and the export",
+                          column + 1, OneLine(inspection.columns[column].name, 20));
      }},
     {"spikes",
      [](const Inspection& inspection, std::size_t c) {

@@ -12,8 +12,9 @@ namespace gauntlet::sim {
 struct HealthFinding {
   std::size_t column = 0;
   std::string key;       // two_senders (of the clock, or of the first sensor that shows it), dead,
-                         // no_movement, lost, spikes, clipped, repeats or drift
-  double value = 0.0;    // share of the rows; of no_movement and drift: see the sentence
+                         // no_movement, lost, missing_code, copy, spikes, clipped, repeats or
+                         // drift
+  double value = 0.0;    // share of the rows; of no_movement, copy, drift: see the sentence
   std::string sentence;  // "does not move: .."
 };
 

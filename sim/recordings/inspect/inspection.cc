@@ -81,11 +81,20 @@ std::size_t ClockOf(const TimeGuess& time, const std::vector<InspectedColumn>& c
   return static_cast<std::size_t>(named - columns.begin());
 }
 
-/// Reads the whole table once.
+/// True for rows of the same values; two missing ones are the same.
+bool IsSameRow(std::span<const double> one, std::span<const double> other) {
+  return std::ranges::equal(one, other, [](double first, double second) {
+    return first == second || (std::isnan(first) && std::isnan(second));
+  });
+}
+
+/// Reads the whole table once. Rows that repeat the one before, with its time, do not count if
+/// nearly all rows at the time of the one before are such: they were written twice. `doubled`: how
+/// many do not count.
 TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColumn>& columns,
                           const std::optional<HandRows>& hand, CsvReader& csv,
                           MidnightClock& midnight, std::vector<RowGroups>& groups,
-                          SenderWatch& senders) {
+                          SenderWatch& senders, std::size_t& doubled) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (columns[c].kind == CellKind::kText && !(hand && hand->column == c)) csv.ReadAsTexts(c);
     if (columns[c].kind == CellKind::kTime) csv.ReadAsTime(c);
@@ -93,14 +102,30 @@ TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColu
   TableStatistics statistics(csv.column_count());
   std::vector<double> values(csv.column_count());
   const std::size_t clock = ClockOf(time, columns);
+  std::optional<TableStatistics> once;  // of the rows that are no such
+  std::vector<double> before(csv.column_count());
+  double before_s = kNaN;
+  std::size_t at_same_time = 0;
   while (csv.NextRow(values)) {
     const double time_s = midnight.Add(time.parts.empty() ? kNaN : TimeOfRow(time.parts, values));
+    const bool is_at_same_time = time_s == before_s;
+    at_same_time += is_at_same_time ? 1 : 0;
+    if (is_at_same_time && IsSameRow(values, before)) {
+      ++doubled;
+      if (!once) once = statistics;
+    } else if (once) {
+      once->Add(time_s, values);
+    }
+    before_s = time_s;
+    before = values;
     statistics.Add(time_s, values);
     const bool is_named = time.parts.empty() && clock < values.size();
     senders.Add(is_named ? *TimeScaleS(columns[clock].name) * values[clock] : time_s, values);
     for (RowGroups& group : groups) group.Add(values[group.column()]);
   }
-  return statistics;
+  constexpr double kNearlyAll = 0.98;
+  if (static_cast<double>(doubled) < kNearlyAll * static_cast<double>(at_same_time)) doubled = 0;
+  return doubled > 0 ? *once : statistics;
 }
 
 /// A clock whose steps are longer than those of the rows.
@@ -165,6 +190,23 @@ double RateInNotes(const std::vector<std::string>& notes) {
     }
   }
   return found_hz;
+}
+
+/// The value of a column that has the rate in every row, as `fps`; 0 if there is none.
+double RateInColumns(const std::vector<InspectedColumn>& columns) {
+  constexpr double kSlowest_hz = 1.0;
+  constexpr double kFastest_hz = 1e4;
+  for (const InspectedColumn& column : columns) {
+    const ColumnStatistics& is = column.statistics;
+    const bool is_constant = is.good_rows > 1 && is.low == is.high;
+    if (!is_constant || is.low < kSlowest_hz || is.low > kFastest_hz) continue;
+    if (IsWordOf("fps fs rate ratehz framerate frameratehz samplerate samplingrate "
+                 "sampleratehz samplingratehz samplinghz samplehz",
+                 BareName(column.name))) {
+      return is.low;
+    }
+  }
+  return 0.0;
 }
 
 /// A table whose rows have no times of their own: the rate is the given one (0: none), the mean of
@@ -652,8 +694,13 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   std::vector<RowGroups> groups = GroupsToWatch(inspection);
   SenderWatch senders(inspection.columns.size());
   MidnightClock midnight(time.parts);
-  const TableStatistics statistics =
-      ReadTable(time, inspection.columns, inspection.hand, reader, midnight, groups, senders);
+  std::size_t doubled = 0;
+  const TableStatistics statistics = ReadTable(time, inspection.columns, inspection.hand, reader,
+                                               midnight, groups, senders, doubled);
+  if (doubled > 0) {
+    inspection.remarks.push_back(
+        fmt::format("{} rows repeat the one before and its time: they do not count", doubled));
+  }
   inspection.is_whole = *is_whole;
   if (midnight.midnights() > 0) inspection.remarks.emplace_back(kPastMidnight);
   std::error_code ignored;
@@ -678,7 +725,8 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
       inspection.columns[c].statistics = statistics.Column(c);
     }
   }
-  const double noted_rate_hz = RateInNotes(inspection.layout.notes);
+  double noted_rate_hz = RateInNotes(inspection.layout.notes);
+  if (noted_rate_hz == 0.0) noted_rate_hz = RateInColumns(inspection.columns);
   SetTime(time, statistics.Time(), options.rate_hz > 0.0 ? options.rate_hz : noted_rate_hz,
           inspection);
   KeepPicture(statistics, inspection);

@@ -104,7 +104,10 @@ std::vector<FigurePoint> ThinnedCurve(const Panel& panel, const Extent& shown,
 /// "dead", "clipped", .. of the worst finding of a column; empty: none.
 std::string WorstOf(const std::vector<HealthFinding>& findings, std::size_t column) {
   constexpr std::pair<std::string_view, std::string_view> kWords[] = {
-      {"two_senders", "two senders"}, {"no_movement", "only noise"}, {"lost", "missing rows"}};
+      {"two_senders", "two senders"},
+      {"no_movement", "only noise"},
+      {"lost", "missing rows"},
+      {"missing_code", "missing values"}};
   const auto worst = std::ranges::find(findings, column, &HealthFinding::column);
   if (worst == findings.end()) return "";
   const auto words =
