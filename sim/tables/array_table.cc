@@ -45,7 +45,8 @@ bool IsRate(std::string_view name) {
   const std::string bare = BareName(name);
   constexpr std::array<std::string_view, 6> kEnds = {"rate",       "ratehz",       "fsample",
                                                      "samplefreq", "samplingfreq", "frequency"};
-  return bare == "fs" || bare == "fps" ||
+  const std::string last = BareName(name.substr(name.rfind('_') + 1));  // behind its groups
+  return last == "fs" || last == "fps" ||
          std::ranges::any_of(kEnds, [&](std::string_view end) { return bare.ends_with(end); });
 }
 

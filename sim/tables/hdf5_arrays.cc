@@ -20,6 +20,7 @@ namespace {
 
 constexpr hsize_t kMostValues = hsize_t{1} << 24;  // more than an hour of any glove
 constexpr std::size_t kMostArrays = 1000;
+constexpr std::size_t kMostNames = 4096;  // of columns
 
 std::vector<std::size_t> ShapeOf(const H5::DataSpace& space) {
   std::vector<hsize_t> sizes(static_cast<std::size_t>(space.getSimpleExtentNdims()));
@@ -40,23 +41,35 @@ std::size_t CountOf(const std::string& name, const std::vector<std::size_t>& sha
   return values;
 }
 
-/// Texts of fixed or variable size.
-std::vector<std::string> TextsIn(const H5::Attribute& attribute) {
-  const H5::StrType type = attribute.getStrType();
-  const auto count = static_cast<std::size_t>(attribute.getSpace().getSimpleExtentNpoints());
+void ReadInto(const H5::Attribute& from, const H5::StrType& type, void* place) {
+  from.read(type, place);
+}
+void ReadInto(const H5::DataSet& from, const H5::StrType& type, void* place) {
+  from.read(place, type);
+}
+
+/// Texts of fixed or variable size, in an attribute or a dataset.
+template <class Texts>
+std::vector<std::string> TextsIn(const Texts& from, std::size_t count) {
+  const H5::StrType type = from.getStrType();
   std::vector<std::string> texts;
   if (type.isVariableStr()) {
     std::vector<char*> pointers(count);
-    attribute.read(type, static_cast<void*>(pointers.data()));
+    ReadInto(from, type, pointers.data());
     for (const char* pointer : pointers) texts.emplace_back(pointer != nullptr ? pointer : "");
     return texts;
   }
   std::string bytes(count * type.getSize(), '\0');
-  attribute.read(type, bytes.data());
+  ReadInto(from, type, bytes.data());
   for (std::size_t i = 0; i < count; ++i) {
     texts.emplace_back(bytes.substr(i * type.getSize(), type.getSize()).c_str());
   }
   return texts;
+}
+
+std::vector<std::string> TextsIn(const H5::Attribute& attribute) {
+  return TextsIn(attribute,
+                 static_cast<std::size_t>(attribute.getSpace().getSimpleExtentNpoints()));
 }
 
 /// The number in an attribute; NaN if it holds none, or several.
@@ -71,10 +84,20 @@ double NumberIn(const H5::Attribute& attribute) {
 
 /// Texts in an attribute, none if it holds other things.
 std::vector<std::string> TextsOf(const H5::Attribute& attribute) {
-  constexpr hssize_t kMost = 4096;
   if (attribute.getTypeClass() != H5T_STRING) return {};
-  if (attribute.getSpace().getSimpleExtentNpoints() > kMost) return {};
+  if (attribute.getSpace().getSimpleExtentNpoints() > hssize_t{kMostNames}) return {};
   return TextsIn(attribute);
+}
+
+/// The rate of rows by an attribute, 0 if it is none: a learning_rate is another rate.
+double RowRateOf(const std::string& attribute, double number) {
+  constexpr double kSlowest_hz = 0.5;
+  constexpr double kFastest_hz = 1e5;
+  const std::string bare = BareName(attribute);
+  const bool is_of_rows = IsWordOf("fs fps rate ratehz dt", bare) || bare.starts_with("sampl") ||
+                          bare.starts_with("frame") || bare.starts_with("control");
+  const double rate_hz = is_of_rows ? RateOf(bare, number) : 0.0;
+  return rate_hz >= kSlowest_hz && rate_hz <= kFastest_hz ? rate_hz : 0.0;
 }
 
 /// Rates that are noted at a group, as lone numbers in it.
@@ -84,7 +107,7 @@ void AddRates(const H5::Group& group, const std::string& path, std::vector<Named
       const H5::Attribute attribute = group.openAttribute(static_cast<unsigned>(i));
       const std::string name = attribute.getName();
       const double number = NumberIn(attribute);
-      if (!(RateOf(name, number) > 0.0)) continue;
+      if (!(RowRateOf(name, number) > 0.0)) continue;
       arrays.push_back(
           {.name = path.empty() ? name : path + "_" + name, .rows = 1, .values = {number}});
     } catch (const H5::Exception&) {
@@ -132,7 +155,7 @@ void UseAttributes(const H5::DataSet& dataset, NamedArray& array) {
       if (name == "conversion" && std::isfinite(number)) factor = number;
       if (name == "offset" && std::isfinite(number)) shift = number;
       if ((name == "unit" || name == "units") && texts.size() == 1) unit = texts.front();
-      if (const double rate_hz = RateOf(name, number); rate_hz > 0.0) array.rate_hz = rate_hz;
+      if (const double rate_hz = RowRateOf(name, number); rate_hz > 0.0) array.rate_hz = rate_hz;
       const bool are_names = IsNameOfNames(name) || name == "columns" || name == "channels";
       if (are_names && texts.size() > 1 && texts.size() == array.columns &&
           array.column_names.empty()) {
@@ -313,7 +336,14 @@ void AddArrays(const H5::DataSet& dataset, const std::string& place, bool is_of_
   std::vector<std::size_t> shape = ShapeOf(space);
   if (std::ranges::find(shape, 0U) != shape.end()) return;
   if (kind == H5T_STRING) {
-    if (!shape.empty()) leave_out("texts");
+    if (shape.size() == 1 && shape[0] <= kMostNames && IsNameOfNames(place)) {
+      array.texts = TextsIn(dataset, shape[0]);
+      array.rows = array.texts.size();
+      array.columns = 0;
+      arrays.push_back(std::move(array));
+    } else if (!shape.empty()) {
+      leave_out("texts");
+    }
     return;
   }
   if (std::string reason = ReasonToLeaveOut(dataset, shape); !reason.empty()) {

@@ -301,25 +301,28 @@ class MessageRows::Json {
       rows_.lists_.push_back({&node, rows_.list_values_.size(), value.size()});
       for (const Value& number : value) rows_.list_values_.push_back(NumberOf(number));
     } else {
-      const std::vector<std::string> keys = KeysOf(value);
+      const std::vector<std::string> names = NamesOfItems(value);
       for (std::size_t i = 0; i < value.size(); ++i) {
-        Read(keys[i], value[i], node.Part(i, keys[i]), depth + 1);
+        const std::string name = names.empty() ? std::to_string(i + 1) : names[i];
+        Read(name, value[i], node.Part(i, name), depth + 1);
       }
     }
   }
 
-  /// Keys of a list's items: their own names, as in foxglove.JointStates, if all have another one,
-  /// else their numbers.
-  static std::vector<std::string> KeysOf(const Value& list) {
-    std::vector<std::string> numbers;
-    std::vector<std::string> names;
-    for (const Value& item : list) {
-      numbers.push_back(std::to_string(numbers.size() + 1));
-      if (!item.is_object() || !item.contains("name") || !item["name"].is_string()) continue;
-      names.push_back(item["name"].get<std::string>());
+  /// Names of the objects in a list, as joints of foxglove.JointStates have them: they may change
+  /// their order. Empty unless all have one of their own.
+  static std::vector<std::string> NamesOfItems(const Value& list) {
+    for (const char* key : {"name", "child_frame_id", "joint"}) {
+      std::vector<std::string> names;
+      for (const Value& item : list) {
+        if (!item.is_object() || !item.contains(key) || !item[key].is_string()) break;
+        auto name = item[key].get<std::string>();
+        if (name.empty() || std::ranges::find(names, name) != names.end()) break;
+        names.push_back(std::move(name));
+      }
+      if (names.size() == list.size()) return names;
     }
-    const std::set<std::string> distinct(names.begin(), names.end());
-    return distinct.size() == numbers.size() ? names : numbers;
+    return {};
   }
 
   MessageRows& rows_;

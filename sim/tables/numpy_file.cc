@@ -162,6 +162,34 @@ std::vector<std::size_t> ShapeOf(std::string_view header) {
   return shape;
 }
 
+/// Texts of one dimension, for names of columns: letters beyond ASCII become `?`. All others are
+/// left out.
+NamedArray TextsIn(std::string_view data, std::string_view type, bool swapped,
+                   const std::vector<std::size_t>& shape, const std::string& name) {
+  constexpr std::size_t kMostTexts = 4096, kLongest = 256;
+  NamedArray array{.name = name, .columns = 0, .values = {}};
+  std::size_t length = 0;
+  std::from_chars(type.data() + 1, type.data() + type.size(), length);
+  const std::size_t per_letter = type.front() == 'U' ? 4 : 1;
+  if (shape.size() != 1 || shape[0] > kMostTexts || length > kLongest) {
+    array.columns = 1;
+    array.left_out = "texts";
+    return array;
+  }
+  Part(data, 0, shape[0] * length * per_letter);
+  for (std::size_t row = 0; row < shape[0]; ++row) {
+    std::string& text = array.texts.emplace_back();
+    for (std::size_t i = 0; i < length; ++i) {
+      const char* const place = data.data() + (row * length + i) * per_letter;
+      const char letter = place[swapped && per_letter == 4 ? 3 : 0];
+      if (letter == '\0') break;
+      text += letter >= ' ' && letter < 127 ? letter : '?';
+    }
+  }
+  array.rows = array.texts.size();
+  return array;
+}
+
 std::string Inflate(std::string_view packed, std::size_t size) {
   if (size > kMostBytes) {
     throw UserError(fmt::format("holds an array of {} MB, must be at most {}; write it as CSV",
@@ -219,6 +247,9 @@ NamedArray ReadNpy(std::string_view bytes, const std::string& name) {
   if (type.empty()) FailAsDamaged("its header has no type");
   type.remove_prefix(1);
   const bool is_date = type.starts_with('M') || type.starts_with('m');
+  if (IsNameOfNames(name) && (type.starts_with('U') || type.starts_with('S'))) {
+    return TextsIn(bytes.substr(start + length), type, swapped, ShapeOf(header), name);
+  }
   const std::optional<DateUnit> date = DateUnitOf(is_date ? type : "");
   const Reader reader = is_date ? ReaderOf(type.substr(0, 2)) : ReaderOf(type);
   if (reader == nullptr || (is_date && !date)) {

@@ -67,6 +67,18 @@ TEST(Npy, IsReadInEveryOrderOfBytesAndDimensions) {
   EXPECT_EQ(cube.values[3], -4.0);
 }
 
+TEST(Npy, OfTextsThatAreNamesNamesColumns) {
+  const std::string letters =
+      "I\0\0\0"
+      "2\0\0\0"
+      "M\0\0\0"
+      "\0\0\0\0"s;
+  const std::string file =
+      Npy("{'descr': '<U2', 'fortran_order': False, 'shape': (2,), }", letters);
+  EXPECT_THAT(ReadNpy(file, "joint_names").texts, ElementsAre("I2", "M"));
+  EXPECT_EQ(ReadNpy(file, "notes").left_out, "texts");
+}
+
 TEST(Npy, OfNoNumbersIsLeftOutWithTheReason) {
   const auto reason_of = [](const std::string& descr, const std::string& shape) {
     const std::string header =

@@ -104,7 +104,7 @@ constexpr HealthRule kHealthRules[] = {
      [](const Inspection& inspection, std::size_t, double value, const Others& others) {
        constexpr double kSlow_hz = 8.0;
        if (inspection.time.rate_hz < kSlow_hz) {
-         return fmt::format("{:.3g} rows per second are too few to tell movement from noise",
+         return fmt::format("rows at {:.3g} Hz are too slow to tell movement from noise",
                             inspection.time.rate_hz);
        }
        return fmt::format("does not move: range/noise {:.0f}{}; check its cable", value,
