@@ -45,10 +45,8 @@ ChainEpisodes LoadHandLog(const std::filesystem::path& log, const HandLogOptions
     try {
       return {.logs = {LogOfTrace(trace, options)}, .left_out = {}};
     } catch (const UserError&) {
-      // HDF5 of other programs is a table, if no trace was asked for.
-      const bool is_asked = is_output || trace.filename() == "trace.h5" || options.from_wearer ||
-                            !options.controller.empty();
-      if (is_asked) throw;
+      // HDF5 of other programs is a table.
+      if (is_output || trace.filename() == "trace.h5" || !options.controller.empty()) throw;
     }
   }
   if (!options.controller.empty()) {

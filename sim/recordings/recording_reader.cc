@@ -142,7 +142,7 @@ void RecordingReader::CheckRange(std::size_t channel, double angle_rad) {
                      joint.min_deg, joint.max_deg));
 }
 
-/// A row that was written twice.
+/// True for a row that was written twice.
 bool RecordingReader::IsSameAsLast() const {
   return std::ranges::equal(values_, last_values_, [](double one, double other) {
     return one == other || (std::isnan(one) && std::isnan(other));
@@ -168,7 +168,9 @@ bool RecordingReader::FixTime(double& time_s) {
     Note(RecordingProblem::kWildTime, row_);
     return false;
   }
-  if (step_s == 0.0 && GoesOn(handling_) && IsSameAsLast()) {
+  constexpr std::size_t kMostCopies = 3;  // of a row; more are a clock that stands still
+  if (step_s == 0.0 && GoesOn(handling_) && IsSameAsLast() &&
+      doubled_rows_ < kMostCopies * good_rows_) {
     ++doubled_rows_;
     return false;
   }

@@ -448,8 +448,18 @@ std::vector<NamedArray> WithFacts(std::vector<NamedArray> arrays) {
   const auto is_texts = [](const NamedArray& array) { return !array.texts.empty(); };
   for (const NamedArray& texts : arrays) {
     if (texts.texts.size() < 2 || !IsNameOfNames(texts.name)) continue;
+    const auto has_as_many = [&](const NamedArray& array) {
+      return array.texts.empty() && array.values.size() > RowsOf(array) && RowsOf(array) > 1 &&
+             SensorsOf(array) == texts.texts.size();
+    };
+    const auto is_of_group = [&](const NamedArray& array) {
+      return IsAbout(texts, array) && has_as_many(array);
+    };
+    // `joint_` of joint_names is no group if nothing else has it.
+    const bool has_group = std::ranges::any_of(arrays, is_of_group);
+    const bool is_only = std::ranges::count_if(arrays, has_as_many) == 1;
     const auto is_named = [&](const NamedArray& array) {
-      return IsAbout(texts, array) && SensorsOf(array) == texts.texts.size();
+      return has_group ? is_of_group(array) : is_only && has_as_many(array);
     };
     const bool is_one = std::ranges::count_if(arrays, is_named) == 1;
     for (NamedArray& array : arrays) {

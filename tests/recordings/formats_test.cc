@@ -497,6 +497,15 @@ TEST(WithFacts, NamesColumnsAndUnitsByTheTextsBesideThem) {
               testing::ElementsAre("glove_data_1_rad", "glove_data_2_rad"));
 }
 
+TEST(WithFacts, NamesTheOnlyArrayThatHasAsManyColumns) {
+  std::vector<NamedArray> arrays = {
+      {.name = "q", .rows = 3, .columns = 2, .values = std::vector<double>(6, 0.5)},
+      {.name = "joint_names", .columns = 0, .values = {}, .texts = {"a", "b"}}};
+  EXPECT_THAT(WithFacts(arrays)[0].column_names, testing::ElementsAre("a", "b"));
+  arrays.push_back({.name = "dq", .rows = 3, .columns = 2, .values = std::vector<double>(6, 0.5)});
+  EXPECT_THAT(WithFacts(arrays)[0].column_names, testing::IsEmpty());  // or of dq
+}
+
 TEST(WriteTable, TakesTheRateFromAFrameDuration) {
   const auto first_line_of = [](const char* name, double value) {
     return TableOf({{.name = name, .rows = 1, .columns = 1, .values = {value}},

@@ -321,7 +321,7 @@ TEST_F(Files, ThatAreTooShortSayWhy) {
   EXPECT_EQ(ErrorOf([&] { LoadRecording(repeats, repair); }),
             repeats +
                 ":301:1: the recording has 1 good rows, must have at least 2 (found: repeated "
-                "time, row left out: 299 times, first in row 3); is the time too coarse? Map its "
+                "time, row left out: 296 times, first in row 6); is the time too coarse? Map its "
                 "column to "
                 "ignore, and give file_rate_hz");
 }

@@ -106,11 +106,15 @@ TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColu
   std::vector<double> before(csv.column_count());
   double before_s = kNaN;
   std::size_t at_same_time = 0;
+  constexpr int kMostCopies = 3;  // more are a clock that stands still
+  int copies = 0;
   while (csv.NextRow(values)) {
     const double time_s = midnight.Add(time.parts.empty() ? kNaN : TimeOfRow(time.parts, values));
     const bool is_at_same_time = time_s == before_s;
     at_same_time += is_at_same_time ? 1 : 0;
-    if (is_at_same_time && IsSameRow(values, before)) {
+    if (!is_at_same_time) copies = 0;
+    if (is_at_same_time && copies < kMostCopies && IsSameRow(values, before)) {
+      ++copies;
       ++doubled;
       if (!once) once = statistics;
     } else if (once) {
