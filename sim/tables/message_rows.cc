@@ -7,7 +7,6 @@
 #include <array>
 #include <bit>
 #include <cctype>
-#include <set>
 
 #include "sim/base/error.h"
 #include "sim/base/json.h"
