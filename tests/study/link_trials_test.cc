@@ -12,8 +12,8 @@
 #include "sim/base/error.h"
 #include "sim/study/scenario/scenario_reader.h"
 #include "sim/study/study_run.h"
-#include "sim/trial/link/delay_draw.h"
-#include "sim/trial/link/transport_config.h"
+#include "sim/trial/link/frame_draws.h"
+#include "sim/trial/link/link_config.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

@@ -3,7 +3,7 @@
 #include <span>
 #include <string_view>
 
-#include "sim/trial/link/transport_config.h"
+#include "sim/trial/link/link_config.h"
 
 namespace gauntlet::sim {
 

@@ -7,7 +7,7 @@
 
 #include "controller/timing.h"
 #include "sim/trial/link/frame_pool.h"
-#include "sim/trial/link/receiver_config.h"
+#include "sim/trial/link/link_config.h"
 
 namespace gauntlet::sim {
 

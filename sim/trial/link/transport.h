@@ -6,10 +6,9 @@
 #include <vector>
 
 #include "controller/timing.h"
-#include "sim/trial/link/delay_draw.h"
+#include "sim/trial/link/frame_draws.h"
 #include "sim/trial/link/frame_pool.h"
-#include "sim/trial/link/loss_config.h"
-#include "sim/trial/link/transport_config.h"
+#include "sim/trial/link/link_config.h"
 
 namespace gauntlet::sim {
 

@@ -6,7 +6,7 @@
 
 #include "controller/controller_config.h"
 #include "controller/timing.h"
-#include "sim/trial/link/watchdog_config.h"
+#include "sim/trial/link/link_config.h"
 
 namespace gauntlet::sim {
 

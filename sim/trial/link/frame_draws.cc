@@ -1,4 +1,4 @@
-#include "sim/trial/link/delay_draw.h"
+#include "sim/trial/link/frame_draws.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,6 +61,19 @@ double DelayDraw::Of(const HistogramDelay& config) noexcept {
   const double place = random_.Uniform() * shares_.back();
   const auto bucket = std::ranges::upper_bound(shares_, place) - shares_.begin();
   return config.bucket_ms * (static_cast<double>(bucket) + random_.Uniform());
+}
+
+bool LossDraw::Next() noexcept {
+  if (const auto* single = std::get_if<IndependentLoss>(&settings_)) {
+    return 100.0 * random_.Uniform() < single->percent;
+  }
+  const auto* bursts = std::get_if<GilbertElliottLoss>(&settings_);
+  if (bursts == nullptr) return false;
+  const double change = random_.Uniform();
+  in_burst_ =
+      in_burst_ ? change * bursts->mean_frames >= 1.0 : 100.0 * change < bursts->begin_percent;
+  const double lost = random_.Uniform();  // drawn in both states: the stream stays in step
+  return in_burst_ && 100.0 * lost < bursts->lost_percent;
 }
 
 }  // namespace gauntlet::sim

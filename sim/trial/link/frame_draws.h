@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "sim/base/random.h"
-#include "sim/trial/link/delay_config.h"
+#include "sim/trial/link/link_config.h"
 
 namespace gauntlet::sim {
 
@@ -26,6 +26,21 @@ class DelayDraw {
   DelaySettings settings_;
   RandomStream random_;
   std::vector<double> shares_;  // of a histogram, summed up to each bucket
+};
+
+/// Draws whether frames are lost, one after the other.
+class LossDraw {
+ public:
+  LossDraw(const LossConfig& config, RandomStream random)
+      : settings_(config.settings), random_(random) {}
+
+  /// True if the next frame is lost.
+  bool Next() noexcept;
+
+ private:
+  LossSettings settings_;
+  RandomStream random_;
+  bool in_burst_ = false;
 };
 
 }  // namespace gauntlet::sim
