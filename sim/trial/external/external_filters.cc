@@ -21,10 +21,8 @@
 #include "sim/base/input_file.h"
 #include "sim/base/text.h"
 #include "sim/trial/external/command_words.h"
-#include "sim/trial/external/library_stepper.h"
 #include "sim/trial/external/own_objects.h"
 #include "sim/trial/external/program.h"
-#include "sim/trial/external/program_stepper.h"
 #include "sim/trial/external/stepper.h"
 #include "sim/trial/external/supervised_process.h"
 

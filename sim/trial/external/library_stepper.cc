@@ -1,5 +1,3 @@
-#include "sim/trial/external/library_stepper.h"
-
 #include <dlfcn.h>
 #include <fmt/format.h>
 
@@ -14,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/trial/external/command_words.h"
+#include "sim/trial/external/stepper.h"
 
 namespace gauntlet::sim {
 namespace {

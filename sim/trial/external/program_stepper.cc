@@ -1,5 +1,3 @@
-#include "sim/trial/external/program_stepper.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -15,6 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/base/json.h"
 #include "sim/base/text.h"
+#include "sim/trial/external/stepper.h"
 
 namespace gauntlet::sim {
 namespace {

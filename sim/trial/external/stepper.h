@@ -1,10 +1,16 @@
 #pragma once
 
+#include <filesystem>
+#include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "controller/filters/external_filter.h"
 #include "controller/settings.h"
+#include "sim/trial/external/command_words.h"
+#include "sim/trial/external/program.h"
 
 namespace gauntlet::sim {
 
@@ -33,5 +39,26 @@ class Stepper {
   Stepper(const Stepper&) = default;
   Stepper& operator=(const Stepper&) = default;
 };
+
+/// Starts the program of an external filter. `limit`: the longest wait for an answer.
+///
+///     -> {"rate_hz": 1e3, "channel_count": 2, "channels": ["a", "b"], "parameters": {"x": 0.1}}
+///     -> 512,498.25
+///     <- 512,498.25      and so on, a line for a line
+///
+/// Errors: as of Program.
+std::unique_ptr<Stepper> StartProgram(const ProgramCommand& command, const FilterFacts& facts,
+                                      Program::Duration limit);
+
+/// The shared library of an external filter. Errors: SettingError `library` or `folder` if it is
+/// not there.
+std::filesystem::path FindLibrary(const controller::ExternalConfig& config);
+
+/// Loads the shared library of an external filter (controller/c_api/gauntlet_filter.h); its code
+/// runs in this process from now on. Returns what makes a filter of it.
+/// Errors: SettingError `library` for one that is not there, cannot be loaded or is no filter. Of
+/// what is returned: SettingError for facts that the filter refuses.
+std::function<std::unique_ptr<Stepper>(const FilterFacts&)> LoadLibrary(
+    const controller::ExternalConfig& config);
 
 }  // namespace gauntlet::sim
