@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
+#include <span>
 
 #include "sim/base/random.h"
 
@@ -23,6 +25,20 @@ inline NormalPair BoxMuller(RandomStream& random) {
   const double radius = std::sqrt(-2.0 * std::log(random.UniformAboveZero()));
   const double angle = kTwoPi * random.Uniform();
   return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+/// Adds white Gaussian noise of BoxMuller() to a signal.
+///
+/// Source: Bai, Jiang, Yokoi, section 2.3.3.1. Units: those of the signal.
+inline void AddBoxMuller(RandomStream& random, double standard_deviation,
+                         std::span<double> signal) {
+  std::size_t i = 0;
+  for (; i + 1 < signal.size(); i += 2) {
+    const NormalPair pair = BoxMuller(random);
+    signal[i] += standard_deviation * pair.first;
+    signal[i + 1] += standard_deviation * pair.second;
+  }
+  if (i < signal.size()) signal[i] += standard_deviation * BoxMuller(random).first;
 }
 
 }  // namespace gauntlet::sim

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "sim/base/channels.h"
+#include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
 #include "sim/glove/glove.h"
-#include "sim/glove/noise/box_muller.h"
 #include "sim/glove/noise/galton_board.h"
 #include "sim/recordings/recording_reader.h"
 #include "sim/tables/csv_reader.h"

@@ -8,9 +8,9 @@
 #include <unsupported/Eigen/FFT>
 #include <vector>
 
+#include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
 #include "sim/glove/noise/add_noise.h"
-#include "sim/glove/noise/box_muller.h"
 #include "sim/glove/noise/coloured_noise.h"
 #include "sim/glove/noise/galton_board.h"
 

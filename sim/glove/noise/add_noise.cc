@@ -5,9 +5,9 @@
 #include <cmath>
 #include <span>
 
+#include "sim/base/normal_pair.h"
 #include "sim/base/random.h"
 #include "sim/base/stop.h"
-#include "sim/glove/noise/box_muller.h"
 #include "sim/glove/noise/coloured_noise.h"
 #include "sim/glove/noise/galton_board.h"
 

@@ -12,7 +12,7 @@
 #include "controller/filters/filter_registry.h"
 #include "controller/filters/paper_noise.h"
 #include "sim/base/error.h"
-#include "sim/glove/noise/box_muller.h"
+#include "sim/base/normal_pair.h"
 #include "sim/glove/noise/galton_board.h"
 #include "sim/results/table_text.h"
 #include "sim/study/scenario/scenario_reader.h"
