@@ -50,15 +50,6 @@ struct StudyRequest {
 
 using Finished = std::shared_ptr<sim::FinishedStudy>;
 
-sim::CauseSeeds CausesOf(const std::string& name) {
-  if (name == "none") return sim::CauseSeeds::kNone;
-  if (name == "auto") return sim::CauseSeeds::kAuto;
-  if (name == "first") return sim::CauseSeeds::kFirst;
-  if (name == "all") return sim::CauseSeeds::kAll;
-  throw sim::UserError(
-      {.place = "causes", .problem = "is " + name + ", must be none, auto, first or all"});
-}
-
 sim::Scenario ReadScenario(const sim::ScenarioSource& source, const StudyRequest& request,
                            LongWork& work) {
   sim::Scenario scenario = sim::ParseScenario(source);
@@ -89,7 +80,7 @@ void RunTrialsOfPart(const StudyRequest& request, const PartRequest& part) {
                      {.seeds = seeds,
                       .progress = [](double, int) { return !sim::StopAsked(); },
                       .keep_first_traces = false,
-                      .causes = CausesOf(request.causes),
+                      .causes = sim::CauseSeedsOf(request.causes),
                       .store = &database},
                      part.range);
   if (const auto not_kept = database.Finish()) throw sim::RunError(*not_kept);
@@ -99,7 +90,7 @@ void RunTrialsOfPart(const StudyRequest& request, const PartRequest& part) {
 void RunStudy(const StudyRequest& request, ExecutorParts* elsewhere, LongWork& work,
               sim::FinishedStudy& finished) {
   const OwnFiltersOfCall own_filters(request.own_filters, elsewhere ? elsewhere->call() : "");
-  const sim::CauseSeeds causes = CausesOf(request.causes);
+  const sim::CauseSeeds causes = sim::CauseSeedsOf(request.causes);
   const sim::ScenarioSource source = ScenarioSourceOf(request.scenario, request.overrides);
   sim::Scenario scenario = ReadScenario(source, request, work);
   const int seeds = SeedsOf(request, scenario);

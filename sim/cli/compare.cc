@@ -108,12 +108,6 @@ std::string OutputOf(const StudyCommand& options, const std::string& scenario) {
   return out;
 }
 
-CauseSeeds CausesOf(const StudyCommand& options) {
-  if (options.causes == "none") return CauseSeeds::kNone;
-  if (options.causes == "first") return CauseSeeds::kFirst;
-  return options.causes == "all" ? CauseSeeds::kAll : CauseSeeds::kAuto;
-}
-
 /// The scenario with the controllers that are asked for. Fills in the number of seeds.
 Scenario ReadScenario(const ScenarioSource& source, StudyCommand& options) {
   Scenario scenario = ParseScenario(source);
@@ -135,7 +129,7 @@ Scenario ReadScenario(const ScenarioSource& source, StudyCommand& options) {
 StudyWork WorkOf(const StudyCommand& options) {
   return {.seeds = options.seeds,
           .jobs = JobsOrCores(options.jobs),
-          .causes = CausesOf(options),
+          .causes = CauseSeedsOf(options.causes),
           .traces_go = true};
 }
 

@@ -8,13 +8,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -26,6 +24,7 @@
 #include "sim/base/output_folder.h"
 #include "sim/base/text.h"
 #include "sim/cli/commands.h"
+#include "sim/cli/shared_options.h"
 #include "sim/cli/standard_streams.h"
 #include "sim/hand/hand_model.h"
 #include "sim/show/video/drawing_library.h"
@@ -175,16 +174,6 @@ Finding CheckRealTime() {
   if (end && end->signal == 0 && end->exit_code == 0) return Ok("SCHED_FIFO is allowed");
   return Note(
       "SCHED_FIFO is not allowed; a control loop needs rtprio in /etc/security/limits.conf");
-}
-
-std::optional<fs::path> FindProgram(const std::string& name) {
-  const char* path = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe): before any thread
-  std::istringstream folders(path == nullptr ? "" : path);
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    const fs::path program = fs::path(folder) / name;
-    if (access(program.c_str(), X_OK) == 0) return program;
-  }
-  return std::nullopt;
 }
 
 Finding CheckProgramInPath(const std::string& name, const std::string& package,

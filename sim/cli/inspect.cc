@@ -242,9 +242,7 @@ std::string NextCommand(const Inspection& inspection, const std::string& given_m
   const std::string file = ShellPath(inspection.file);
   const std::string& map = given_map.empty() ? written_map : given_map;
   if (!map.empty()) return fmt::format("gauntlet compare {} --map {}", file, ShellPath(map));
-  const bool is_assumed = std::ranges::any_of(inspection.MappedColumns(), [&](std::size_t c) {
-    return inspection.columns[c].basis == JointBasis::kAssumed;
-  });
+  const bool is_assumed = inspection.HasAssumedJoint();
   const bool is_plain = inspection.has_time && inspection.array.empty();
   if (!is_assumed && is_plain) return fmt::format("gauntlet compare {}", file);
   const std::string scenario =

@@ -170,9 +170,7 @@ std::string ScenarioOfRecording(const fs::path& recording, const InspectionOptio
   const Inspection inspection = Inspect(recording, options);
   const fs::path scenario = folder / recording.stem().concat(".yaml");
   const fs::path starter = folder / recording.stem().concat(".map.csv");
-  const bool is_assumed = std::ranges::any_of(inspection.MappedColumns(), [&](std::size_t c) {
-    return inspection.columns[c].basis == JointBasis::kAssumed;
-  });
+  const bool is_assumed = inspection.HasAssumedJoint();
   if (!AnswersByMap(inspection)) CheckQuestion(inspection, map);
   if (map.empty() && (is_assumed || !inspection.question.empty())) {
     throw UserError(

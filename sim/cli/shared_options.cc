@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <sstream>
 #include <string_view>
 
 #include "controller/number.h"
@@ -119,6 +120,15 @@ TerminalStyle StyleOf(const TerminalOptions& options) {
   return {.width = std::min<std::size_t>(width, kLongestText),
           .table_width = options.wide ? TerminalStyle::kNoLimit : width,
           .colour = options.colour == "always" || (options.colour == "auto" && coloured_terminal)};
+}
+
+std::optional<std::filesystem::path> FindProgram(const std::string& name) {
+  std::istringstream folders{std::string(Environment("PATH"))};
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const std::filesystem::path program = std::filesystem::path(folder) / name;
+    if (access(program.c_str(), X_OK) == 0) return program;
+  }
+  return std::nullopt;
 }
 
 void PrintIndented(const std::string& text) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,6 +64,9 @@ inline Option VerboseOption(
     const char* help = "also print confidence intervals, all main scores and methods") {
   return Option("--verbose", &verbose, {}, help);
 }
+
+/// The program of this name in the first folder of PATH that has it.
+std::optional<std::filesystem::path> FindProgram(const std::string& name);
 
 /// Prints a text four columns to the right: at a terminal in lines that fit, else in one line, for
 /// those who search.

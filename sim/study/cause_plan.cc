@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "sim/base/error.h"
 #include "sim/study/cause_trials.h"
 #include "sim/study/counted_parts.h"
 
@@ -85,6 +86,15 @@ void PlanFirst(const Study& study, double ticks_of_trials, CausePlan& plan) {
 }
 
 }  // namespace
+
+CauseSeeds CauseSeedsOf(const std::string& name) {
+  if (name == "none") return CauseSeeds::kNone;
+  if (name == "auto") return CauseSeeds::kAuto;
+  if (name == "first") return CauseSeeds::kFirst;
+  if (name == "all") return CauseSeeds::kAll;
+  throw UserError(
+      {.place = "causes", .problem = "is " + name + ", must be none, auto, first or all"});
+}
 
 CausePlan PlanCauses(const Study& study, int seeds, CauseSeeds asked) {
   CausePlan plan;

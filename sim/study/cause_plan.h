@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <optional>
+#include <string>
 
 #include "sim/study/study.h"
 
@@ -11,6 +12,8 @@ namespace gauntlet::sim {
 /// Seeds of which the causes of the error are found. kAuto: of the first one, as far as the trials
 /// for it take a quarter of the time of all others.
 enum class CauseSeeds { kNone, kAuto, kFirst, kAll };
+/// By its name: none, auto, first or all. Errors: UserError `causes` for another.
+CauseSeeds CauseSeedsOf(const std::string& name);
 
 /// The trials for the causes of the error that a study runs.
 struct CausePlan {

@@ -640,6 +640,11 @@ std::vector<std::size_t> Inspection::MappedColumns() const {
   return mapped;
 }
 
+bool Inspection::HasAssumedJoint() const {
+  return std::ranges::any_of(
+      MappedColumns(), [this](std::size_t c) { return columns[c].basis == JointBasis::kAssumed; });
+}
+
 std::vector<std::size_t> Inspection::Sensors() const {
   std::vector<std::size_t> sensors;
   for (std::size_t c = 0; c < columns.size(); ++c) {

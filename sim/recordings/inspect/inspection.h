@@ -94,6 +94,8 @@ struct Inspection {
 
   /// Columns that drive a joint.
   std::vector<std::size_t> MappedColumns() const;
+  /// True if one of these has its joint by an assumption alone.
+  bool HasAssumedJoint() const;
   /// Sensors of the hand, dead ones included.
   std::vector<std::size_t> Sensors() const;
   /// True if the sensors are angles.

@@ -10,6 +10,7 @@
 #include "sim/base/json.h"
 #include "sim/base/text.h"
 #include "sim/recordings/inspect/health.h"
+#include "sim/results/table_text.h"
 
 namespace gauntlet::sim {
 
@@ -63,11 +64,6 @@ ResultRow RowOf(const InspectedColumn& column, std::size_t number) {
   return row;
 }
 
-/// "5 sensors", "1 sensor".
-std::string Counted(std::size_t count, std::string_view noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
 }  // namespace
 
 std::string BasisText(const Inspection& inspection) {
@@ -91,7 +87,8 @@ std::string BasisText(const Inspection& inspection) {
 
 std::string SummaryOf(const Inspection& inspection) {
   const std::vector<std::size_t> sensors = inspection.Sensors();
-  std::string text = sensors.empty() ? "no sensor of a hand" : Counted(sensors.size(), "sensor");
+  std::string text =
+      sensors.empty() ? "no sensor of a hand" : Counted(std::ssize(sensors), "sensor");
   text += fmt::format(", {:.4g} Hz{}", inspection.time.rate_hz,
                       inspection.rate_is_assumed ? " (assumed)" : "");
   if (sensors.empty()) return text;
