@@ -23,7 +23,7 @@
 #include "sim/base/stop.h"
 #include "sim/base/threads.h"
 #include "sim/results/runs.h"
-#include "sim/show/pages/controllers_front.h"
+#include "sim/show/pages/front_chart.h"
 #include "sim/show/pages/score_table.h"
 #include "sim/show/pages/study_folder_files.h"
 #include "sim/study/made_with.h"

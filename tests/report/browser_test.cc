@@ -19,7 +19,7 @@
 #include "sim/answers/compare/comparison_verdict.h"
 #include "sim/base/json.h"
 #include "sim/results/html_text.h"
-#include "sim/show/pages/controllers_front.h"
+#include "sim/show/pages/front_chart.h"
 #include "sim/show/pages/page_data.h"
 #include "sim/show/pages/report_page.h"
 #include "sim/show/pages/score_table.h"

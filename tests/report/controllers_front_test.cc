@@ -1,11 +1,10 @@
 // Jitter against delay of the controllers of a report page.
-#include "sim/show/pages/controllers_front.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <regex>
 
+#include "sim/show/pages/front_chart.h"
 #include "tests/report/made_up_study.h"
 
 namespace gauntlet::sim {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/answers/compare/summary.h"
 #include "sim/show/pages/cells_chart.h"
 
 namespace gauntlet::sim {
@@ -27,5 +28,11 @@ struct FrontSeries {
 /// bounds are drawn as lines where they are numbers.
 std::string FrontsSvg(const std::vector<FrontSeries>& series, double most_delay_ms,
                       double most_jitter_deg);
+
+/// Jitter against delay of the controllers as HTML: a figure for each of three widths of the page,
+/// of which style sheets show one, or a sentence if no controller has both scores.
+std::string ControllersFront(const Summary& summary);
+/// ControllersFront() as an SVG that is complete as a file; empty if no controller has both scores.
+std::string ControllersFrontFile(const Summary& summary);
 
 }  // namespace gauntlet::sim

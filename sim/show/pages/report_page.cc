@@ -23,7 +23,7 @@
 #include "sim/show/figure/palette.h"
 #include "sim/show/figure/panel.h"
 #include "sim/show/pages/assets.h"
-#include "sim/show/pages/controllers_front.h"
+#include "sim/show/pages/front_chart.h"
 #include "sim/show/pages/headline.h"
 #include "sim/show/pages/page_data.h"
 #include "sim/show/pages/score_table.h"
