@@ -7,7 +7,7 @@
 #include "controller/periodic_clock.h"
 #include "controller/timing.h"
 #include "sim/base/random.h"
-#include "sim/hand/joint_sensors_config.h"
+#include "sim/hand/hand_config.h"
 
 namespace gauntlet::sim {
 
