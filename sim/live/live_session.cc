@@ -12,13 +12,12 @@
 #include "controller/controller.h"
 #include "sim/base/stop.h"
 #include "sim/live/command_output.h"
-#include "sim/live/controller_switch.h"
 #include "sim/live/device/device_clock.h"
+#include "sim/live/further_controllers.h"
 #include "sim/live/live_glove.h"
 #include "sim/live/motor_rest.h"
 #include "sim/live/session_log.h"
 #include "sim/live/session_threads.h"
-#include "sim/live/shadows.h"
 #include "sim/trial/joint_angles.h"
 
 namespace gauntlet::sim {

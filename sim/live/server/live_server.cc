@@ -22,7 +22,7 @@
 #include "sim/base/error.h"
 #include "sim/base/signal.h"
 #include "sim/live/server/page_process.h"
-#include "sim/live/server/switch_limit.h"
+#include "sim/live/server/page_server.h"
 #include "sim/live/session_threads.h"
 
 namespace gauntlet::sim {

@@ -19,7 +19,6 @@
 
 #include "sim/base/descriptor.h"
 #include "sim/live/server/http_request.h"
-#include "sim/live/server/switch_limit.h"
 
 namespace gauntlet::sim {
 namespace {

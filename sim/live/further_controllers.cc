@@ -1,6 +1,7 @@
-#include "sim/live/shadows.h"
+#include "sim/live/further_controllers.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "sim/live/device/device_clock.h"
 
@@ -39,6 +40,24 @@ void Shadows::Step(std::span<const double> sample_counts) noexcept {
     steps_[i].Add(MonotonicNow_ns() - begin_ns);
     target = std::ranges::copy(controllers_[i].target_angle_rad(), target).out;
   }
+}
+
+ControllerSwitch::ControllerSwitch(const HandLoop& loop,
+                                   std::span<const controller::ControllerConfig> further)
+    : place_of_(1) {
+  for (const controller::ControllerConfig& config : further) {
+    place_of_.push_back(waiting_.size());
+    waiting_.push_back(loop.controller().Prepare(config));
+  }
+}
+
+bool ControllerSwitch::To(int number, HandLoop& loop) noexcept {
+  if (number < 0 || number >= std::ssize(place_of_) || number == driving_) return false;
+  const std::size_t place = place_of_[static_cast<std::size_t>(number)];
+  if (!loop.Swap(waiting_[place])) return false;
+  place_of_[static_cast<std::size_t>(driving_)] = place;
+  driving_ = number;
+  return true;
 }
 
 }  // namespace gauntlet::sim
