@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim/live/server/page_message.h"
+#include "sim/live/server/page_server.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,6 +1,4 @@
 // A controller's settings may come from a file of its own: `!include`, there and nowhere else.
-#include "sim/study/scenario/included_controllers.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +7,7 @@
 #include "sim/base/error.h"
 #include "sim/study/scenario/scenario.h"
 #include "sim/study/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_tree.h"
 #include "tests/support/program.h"
 
 namespace gauntlet::sim {

@@ -1,11 +1,10 @@
 // Files of earlier versions list settings that are no more.
-#include "sim/study/scenario/removed_settings.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/study/scenario/scenario.h"
 #include "sim/study/scenario/scenario_reader.h"
+#include "sim/study/scenario/scenario_tree.h"
 
 namespace gauntlet::sim {
 namespace {

@@ -1,10 +1,9 @@
-#include "sim/study/scenario/included_controllers.h"
-
 #include <map>
 #include <string>
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/study/scenario/scenario_tree.h"
 
 namespace gauntlet::sim {
 namespace {

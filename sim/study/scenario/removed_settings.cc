@@ -1,5 +1,3 @@
-#include "sim/study/scenario/removed_settings.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/study/scenario/scenario_tree.h"
 
 namespace gauntlet::sim {
 namespace {

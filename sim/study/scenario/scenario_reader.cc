@@ -20,11 +20,9 @@
 #include "sim/settings/identified_chain.h"
 #include "sim/settings/yaml_reader.h"
 #include "sim/settings/yaml_tree.h"
-#include "sim/study/scenario/included_controllers.h"
 #include "sim/study/scenario/like_filters.h"
-#include "sim/study/scenario/removed_settings.h"
 #include "sim/study/scenario/scenario.h"
-#include "sim/study/scenario/set_option.h"
+#include "sim/study/scenario/scenario_tree.h"
 #include "sim/trial/external/own_objects.h"
 
 namespace gauntlet::sim {

@@ -1,5 +1,3 @@
-#include "sim/study/scenario/set_option.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -16,6 +14,7 @@
 #include "sim/base/text.h"
 #include "sim/settings/setting_rows.h"
 #include "sim/study/scenario/scenario.h"
+#include "sim/study/scenario/scenario_tree.h"
 
 namespace gauntlet::sim {
 namespace {
