@@ -61,7 +61,7 @@ struct InspectOptions {
   }
 
   static constexpr auto kNotes = R"(
-The format is found from the bytes. Of a file above 1 GB the beginning is read. Noise is the
+The format is found from the bytes. Of a text above 1 GB the beginning is read. Noise is the
 standard deviation from the curvature between three rows; still is the share of values equal to
 the row before, clipped the share of the lowest and highest value. A dead sensor has one value
 in 99 % of the rows, or in 95 % and a narrow range. If the joints are unknown, the command asks

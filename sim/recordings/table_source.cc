@@ -18,6 +18,7 @@
 #include "sim/recordings/keypoints/keypoint_table.h"
 #include "sim/tables/array_files.h"
 #include "sim/tables/csv_reader.h"
+#include "sim/tables/file_bytes.h"
 #include "sim/tables/file_format.h"
 #include "sim/tables/message_file.h"
 #include "sim/tables/message_table.h"
@@ -45,32 +46,75 @@ std::string BytesOfOnly(const fs::path& file) {
 }
 
 /// The columns of all files, one below the other.
-std::vector<NamedArray> ReadParquets(const std::vector<std::string>& files) {
+std::vector<NamedArray> JoinParquets(std::vector<FileBytes> files) {
   std::vector<NamedArray> all;
-  for (const std::string& bytes : files) {
-    std::vector<NamedArray> arrays = ReadParquet(bytes);
+  std::vector<std::vector<NamedArray>> parts;  // of each array
+  for (FileBytes& bytes : files) {
+    std::vector<NamedArray> arrays = OpenParquet(std::move(bytes));
     if (all.empty()) {
-      all = std::move(arrays);
-      continue;
+      all = arrays;
+      parts.resize(all.size());
     }
-    for (NamedArray& whole : all) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      NamedArray& whole = all[i];
       if (!whole.left_out.empty()) continue;
       const auto part = std::ranges::find(arrays, whole.name, &NamedArray::name);
       if (part == arrays.end() || part->columns != whole.columns) {
         throw UserError(
             fmt::format("has files without a column {} of {} values", whole.name, whole.columns));
       }
-      whole.rows += part->rows;
-      whole.values.insert(whole.values.end(), part->values.begin(), part->values.end());
+      if (!parts[i].empty()) whole.rows += part->rows;
+      parts[i].push_back(*part);
     }
   }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (parts[i].size() < 2) continue;
+    all[i].open = [parts = std::make_shared<const std::vector<NamedArray>>(parts[i])] {
+      return [parts, part = std::size_t{0}, given = std::size_t{0}, next = NamedArray::NextRows()](
+                 std::size_t rows, std::vector<double>& values) mutable {
+        while (rows > 0) {
+          const NamedArray& of = (*parts)[part];
+          if (!next) next = of.open();
+          const std::size_t count = std::min(rows, of.rows - given);
+          next(count, values);
+          given += count;
+          rows -= count;
+          if (given < of.rows) continue;
+          next = {};
+          given = 0;
+          ++part;
+        }
+      };
+    };
+  }
   return all;
+}
+
+/// True if the number of the frame over the rate is the time in all rows but for rounding.
+bool AreTimesOfFrames(const NamedArray& frame, const NamedArray& time, double rate_hz) {
+  constexpr double kRounding_s = 1e-3;
+  constexpr std::size_t kRows = 4096;
+  if (frame.count() != frame.rows || time.count() != time.rows || frame.rows != time.rows) {
+    return false;
+  }
+  const NamedArray::NextRows next_frames = frame.open(), next_times = time.open();
+  std::vector<double> frames, times_s;
+  for (std::size_t row = 0; row < frame.rows; row += kRows) {
+    frames.clear();
+    times_s.clear();
+    next_frames(std::min(kRows, frame.rows - row), frames);
+    next_times(std::min(kRows, frame.rows - row), times_s);
+    const bool are_same = std::ranges::equal(frames, times_s, [&](double number, double time_s) {
+      return std::abs(number / rate_hz - time_s) < kRounding_s;
+    });
+    if (!are_same) return false;
+  }
+  return true;
 }
 
 /// Names what the data set names. Its times are rounded to some microseconds; the number of the
 /// frame tells them exactly, unless they are measured.
 void UseInfo(const DatasetInfo& info, std::vector<NamedArray>& arrays) {
-  constexpr double kRounding_s = 1e-3;
   for (NamedArray& array : arrays) {
     const auto names = info.names.find(array.name);
     if (array.columns < 2 || names == info.names.end()) continue;
@@ -82,13 +126,16 @@ void UseInfo(const DatasetInfo& info, std::vector<NamedArray>& arrays) {
   const auto time = std::ranges::find(arrays, "timestamp", &NamedArray::name);
   const auto frame = std::ranges::find(arrays, "frame_index", &NamedArray::name);
   if (info.rate_hz <= 0.0 || time == arrays.end() || frame == arrays.end()) return;
-  std::vector<double> exact_s = frame->values;
-  for (double& value : exact_s) value /= info.rate_hz;
-  if (std::ranges::equal(exact_s, time->values, [](double exact, double rounded) {
-        return std::abs(exact - rounded) < kRounding_s;
-      })) {
-    time->values = std::move(exact_s);
-  }
+  if (!time->left_out.empty() || !frame->left_out.empty()) return;
+  if (!AreTimesOfFrames(*frame, *time, info.rate_hz)) return;
+  time->open = [open = frame->open, rate_hz = info.rate_hz]() -> NamedArray::NextRows {
+    return [next = open(), rate_hz](std::size_t rows, std::vector<double>& values) {
+      const auto before = static_cast<std::ptrdiff_t>(values.size());
+      next(rows, values);
+      std::for_each(values.begin() + before, values.end(),
+                    [&](double& value) { value /= rate_hz; });
+    };
+  };
 }
 
 [[noreturn]] void FailInPart(const fs::path& part, FileFormat format) {
@@ -110,15 +157,17 @@ std::vector<NamedArray> ArraysOf(const fs::path& file, const std::vector<fs::pat
     case FileFormat::kMat:
       return ReadMatArrays(file);
     case FileFormat::kParquet: {
-      std::vector<std::string> files;
+      std::vector<FileBytes> files;
       for (const fs::path& part : parts.empty() ? std::vector{file} : parts) {
-        files.push_back(BytesOf(FileSource(part)));
-        const FileFormat part_format = FormatOfBytes(files.back());
+        files.push_back(FileBytes::Of(part));
+        std::string room;
+        const std::size_t head = std::min<std::uint64_t>(files.back().size(), kFormatBytes);
+        const FileFormat part_format = FormatOfBytes(files.back().At(0, head, room));
         if (part_format == FileFormat::kParquet) continue;
         FailInPart(part, part_format);
       }
       OpenNoMoreFiles();
-      std::vector<NamedArray> arrays = ReadParquets(files);
+      std::vector<NamedArray> arrays = JoinParquets(std::move(files));
       UseInfo(info, arrays);
       return arrays;
     }
@@ -154,39 +203,67 @@ HelperLimits LimitsFor(std::uintmax_t file_bytes) {
   return limits;
 }
 
-/// Runs `work` in a helper, and `take` with what it sends.
-void FromHelper(const std::string& place, std::uintmax_t file_bytes, const Work& work,
-                const std::function<void(PipeReader& pipe)>& take) {
-  HelperProcess helper(
-      [&](const HelperProcess::Send& send) {
-        // Many small pieces would be as many system calls.
-        constexpr std::size_t kTogether = std::size_t{1} << 16;
-        std::string waiting;
-        PipeWriter pipe([&](std::span<const char> bytes) {
-          waiting.append(bytes.begin(), bytes.end());
-          if (waiting.size() < kTogether) return;
-          send(waiting);
-          waiting.clear();
-        });
-        work(pipe);
-        send(waiting);
-      },
-      LimitsFor(file_bytes));
-  PipeReader pipe([&helper](std::span<char> bytes) { helper.Receive(bytes); });
-  try {
-    take(pipe);
-    helper.Finish();
-  } catch (const HelperEnded& ended) {
-    throw UserError(
-        {.place = place,
-         .problem = fmt::format("is damaged or too large: the process that read it {}; write it "
-                                "as CSV",
-                                ended.what())});
-  } catch (const HelperSilent& silent) {
-    throw RunError(fmt::format("{}: the process that reads it {}", place, silent.what()));
-  } catch (const HelperError& problem) {
-    throw UserError({.place = place, .problem = problem.what()});
+/// A helper that works on a file.
+class FileHelper {
+ public:
+  FileHelper(std::string place, std::uintmax_t file_bytes, const Work& work)
+      : place_(std::move(place)),
+        helper_([&work](const HelperProcess::Send& send) { Send(work, send); },
+                LimitsFor(file_bytes)),
+        pipe_([this](std::span<char> bytes) { helper_.Receive(bytes); }) {}
+
+  /// What `take` reads of what the helper sends. Errors: as of `work` and of `take`, with the place.
+  template <class Take>
+  auto Receive(const Take& take) {
+    try {
+      return take(pipe_);
+    } catch (const HelperEnded& ended) {
+      throw UserError(
+          {.place = place_,
+           .problem = fmt::format("is damaged or too large: the process that read it {}; write it "
+                                  "as CSV",
+                                  ended.what())});
+    } catch (const HelperSilent& silent) {
+      throw RunError(fmt::format("{}: the process that reads it {}", place_, silent.what()));
+    } catch (const HelperError& problem) {
+      throw UserError({.place = place_, .problem = problem.what()});
+    }
   }
+  void Finish() {
+    Receive([this](PipeReader&) { helper_.Finish(); });
+  }
+
+ private:
+  static void Send(const Work& work, const HelperProcess::Send& send) {
+    // Many small pieces would be as many system calls.
+    constexpr std::size_t kTogether = std::size_t{1} << 16;
+    std::string waiting;
+    PipeWriter pipe([&](std::span<const char> bytes) {
+      waiting.append(bytes.begin(), bytes.end());
+      if (waiting.size() < kTogether) return;
+      send(waiting);
+      waiting.clear();
+    });
+    work(pipe);
+    send(waiting);
+  }
+
+  std::string place_;
+  HelperProcess helper_;
+  PipeReader pipe_;
+};
+
+/// The table that the helper sends next, block by block, while it is read.
+std::shared_ptr<TableStream> StreamFrom(std::shared_ptr<FileHelper> helper) {
+  const auto reader =
+      helper->Receive([](PipeReader& pipe) { return std::make_shared<TableReader>(pipe); });
+  return std::make_shared<TableStream>(
+      reader->head(), reader->known_rows(), [helper, reader](Table& table) {
+        if (helper->Receive([&](PipeReader&) { return reader->ReadBlock(table); })) return true;
+        helper->Receive([&](PipeReader&) { reader->ReadOrder(table); });
+        helper->Finish();
+        return false;
+      });
 }
 
 void WriteTopics(const std::vector<ListedTopic>& topics, PipeWriter& pipe) {
@@ -236,10 +313,6 @@ std::vector<ListedArray> ReadArrays(PipeReader& pipe) {
     array.is_taken = pipe.Count(1) > 0;
   }
   return arrays;
-}
-
-std::shared_ptr<const Table> Received(PipeReader& pipe) {
-  return std::make_shared<const Table>(ReadTable(pipe));
 }
 
 bool HasArrays(FileFormat format) {
@@ -322,23 +395,29 @@ OpenedTable OpenStoredTable(const fs::path& file, const std::string& array) {
     WriteArrays(ListArrays(arrays, array), pipe);
     WriteTable(std::move(arrays), array, pipe);
   };
-  std::shared_ptr<const Table> table;
-  FromHelper(file.string(), opened.file_bytes,
-             HasTopics(opened.format) ? Work(write_topics) : Work(write_arrays),
-             [&](PipeReader& pipe) {
-               if (HasTopics(opened.format)) {
-                 opened.topics = ReadTopics(pipe);
-                 if (std::ranges::none_of(opened.topics, &ListedTopic::is_taken)) return;
-               } else {
-                 opened.arrays = ReadArrays(pipe);
-               }
-               table = Received(pipe);
-             });
-  if (table) {
-    opened.table = KeypointsInColumns(file.string(), std::move(table));
-  } else if (opened.topics.empty()) {
-    throw UserError({.place = file.string(), .problem = QuestionOf(opened.topics)});
+  const auto helper =
+      std::make_shared<FileHelper>(file.string(), opened.file_bytes,
+                                   HasTopics(opened.format) ? Work(write_topics) : write_arrays);
+  if (HasTopics(opened.format)) {
+    opened.topics = helper->Receive(ReadTopics);
+    if (opened.topics.empty()) {
+      throw UserError({.place = file.string(), .problem = QuestionOf(opened.topics)});
+    }
+    if (std::ranges::none_of(opened.topics, &ListedTopic::is_taken)) {
+      helper->Finish();
+      return opened;
+    }
+  } else {
+    opened.arrays = helper->Receive(ReadArrays);
   }
+  TableInput table;
+  if (opened.format == FileFormat::kParquet) {
+    table = StreamFrom(helper);
+  } else {
+    table = std::make_shared<const Table>(helper->Receive(ReadTable));
+    helper->Finish();
+  }
+  opened.table = KeypointsInColumns(file.string(), std::move(table));
   return opened;
 }
 

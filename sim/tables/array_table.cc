@@ -12,6 +12,7 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <span>
 #include <tuple>
 
 #include "controller/assert.h"
@@ -98,7 +99,7 @@ std::string GroupOf(const std::string& name) {
 
 /// The group of a time, `glove_` of `glove_time_s`; nothing of what is none.
 std::optional<std::string> GroupOfTime(const NamedArray& array) {
-  if (array.values.size() != RowsOf(array)) return std::nullopt;
+  if (array.count() != RowsOf(array)) return std::nullopt;
   const std::string name = Plain(array.name);
   for (std::size_t begin = 0; begin < name.size(); ++begin) {
     if (begin > 0 && name[begin - 1] != '_') continue;
@@ -132,7 +133,7 @@ std::size_t KeepMostRows(const std::vector<NamedArray>& arrays,
   std::map<std::size_t, std::size_t> values_of_rows;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     if (!listed[i].is_taken || RowsOf(arrays[i]) < 2) continue;
-    values_of_rows[RowsOf(arrays[i])] += arrays[i].values.size();
+    values_of_rows[RowsOf(arrays[i])] += arrays[i].count();
   }
   const auto most =
       std::ranges::max_element(values_of_rows, {}, [](const auto& entry) { return entry.second; });
@@ -264,7 +265,10 @@ std::vector<NamedArray> SelectedArrays(std::vector<NamedArray> arrays,
   std::vector<NamedArray> taken;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     if (!listed[i].is_taken) continue;
-    if (LiesOnItsSide(arrays[i])) Turn(arrays[i]);
+    if (LiesOnItsSide(arrays[i])) {
+      ReadValues(arrays[i]);
+      Turn(arrays[i]);
+    }
     if (!chosen.empty()) arrays[i].name = NameInTable(arrays[i], chosen);
     taken.push_back(std::move(arrays[i]));
   }
@@ -274,7 +278,7 @@ std::vector<NamedArray> SelectedArrays(std::vector<NamedArray> arrays,
 /// The rate that is noted beside the arrays that are taken, if they agree. Else a lone number: of
 /// the innermost group that also holds the first array that is taken; a rate before a period, the
 /// last before others. 0 if there is none.
-double RateIn(const std::vector<NamedArray>& arrays, const std::vector<ListedArray>& listed) {
+double RateIn(std::vector<NamedArray>& arrays, const std::vector<ListedArray>& listed) {
   std::set<double> noted;
   std::string place;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
@@ -285,8 +289,9 @@ double RateIn(const std::vector<NamedArray>& arrays, const std::vector<ListedArr
   if (noted.size() == 1) return *noted.begin();
   double rate_hz = 0.0;
   std::tuple<std::size_t, bool> best = {0, false};
-  for (const NamedArray& array : arrays) {
-    if (array.values.size() != 1) continue;
+  for (NamedArray& array : arrays) {
+    if (array.count() != 1) continue;
+    ReadValues(array);
     const double own_hz = RateOf(array.name, array.values.front());
     const std::string group = GroupOf(array.name);
     const std::tuple<std::size_t, bool> rank = {place.starts_with(group) ? group.size() + 1 : 0,
@@ -300,7 +305,7 @@ double RateIn(const std::vector<NamedArray>& arrays, const std::vector<ListedArr
 
 /// True for numbers of sensors that texts of this name may be about: of its group, and no time.
 bool IsAbout(const NamedArray& texts, const NamedArray& array) {
-  return array.texts.empty() && array.values.size() > RowsOf(array) && RowsOf(array) > 1 &&
+  return array.texts.empty() && array.count() > RowsOf(array) && RowsOf(array) > 1 &&
          array.name.starts_with(GroupOf(texts.name));
 }
 
@@ -340,7 +345,43 @@ void NamePoints(NamedArray& array, const std::vector<std::size_t>& shape,
   }
 }
 
+/// The values of an array, some rows at a time.
+class RowsOfArray {
+ public:
+  explicit RowsOfArray(const NamedArray& array) : array_(array) {
+    if (array_.open) next_ = array_.open();
+  }
+  /// The next ones, until the next call.
+  std::span<const double> Next(std::size_t rows) {
+    if (!next_) {
+      given_ += rows;
+      return std::span(array_.values)
+          .subspan((given_ - rows) * array_.columns, rows * array_.columns);
+    }
+    values_.clear();
+    next_(rows, values_);
+    return values_;
+  }
+
+ private:
+  const NamedArray& array_;
+  NamedArray::NextRows next_;
+  std::vector<double> values_;
+  std::size_t given_ = 0;
+};
+
 }  // namespace
+
+void ReadValues(NamedArray& array) {
+  if (!array.open) return;
+  RowsOfArray reader(array);
+  constexpr std::size_t kRows = 4096;
+  for (std::size_t row = 0; row < array.rows; row += kRows) {
+    const std::span<const double> part = reader.Next(std::min(kRows, array.rows - row));
+    array.values.insert(array.values.end(), part.begin(), part.end());
+  }
+  array.open = {};
+}
 
 void SetValues(NamedArray& array, std::vector<double> values, std::vector<std::size_t> shape,
                ArrayOrder order) {
@@ -506,19 +547,30 @@ void WriteTable(std::vector<NamedArray> arrays, std::string_view chosen, PipeWri
       names, [](const std::string& name) { return TimeScaleS(name).has_value(); });
   const bool adds_time = rate_hz > 0.0 && !has_time;
   if (adds_time) names.insert(names.begin(), "time_s");
-  TableWriter table(pipe, names, chosen.empty() ? left_out : std::vector<std::string>(),
-                    arrays.front().rows);
-  const std::size_t rows = arrays.size() == 1 && !adds_time ? 0 : arrays.front().rows;
-  if (rows == 0) table.Rows(arrays.front().values);
-  std::vector<double> values;
-  for (std::size_t row = 0; row < rows; ++row) {
-    values.clear();
-    if (adds_time) values.push_back(static_cast<double>(row) / rate_hz);
-    for (const NamedArray& array : arrays) {
-      const auto begin = array.values.begin() + static_cast<std::ptrdiff_t>(row * array.columns);
-      values.insert(values.end(), begin, begin + static_cast<std::ptrdiff_t>(array.columns));
+  const std::size_t rows = arrays.front().rows;
+  TableWriter table(pipe, names, chosen.empty() ? left_out : std::vector<std::string>(), rows);
+  std::vector<RowsOfArray> readers(arrays.begin(), arrays.end());
+  std::vector<double> block;
+  const std::size_t most = RowsOfBlock(names.size());
+  for (std::size_t first = 0; first < rows; first += most) {
+    const std::size_t count = std::min(most, rows - first);
+    block.resize(count * names.size());
+    std::size_t column = 0;
+    if (adds_time) {
+      for (std::size_t row = 0; row < count; ++row) {
+        block[row * names.size()] = static_cast<double>(first + row) / rate_hz;
+      }
+      ++column;
     }
-    table.Rows(values);
+    for (std::size_t i = 0; i < arrays.size(); column += arrays[i++].columns) {
+      const std::size_t width = arrays[i].columns;
+      const std::span<const double> values = readers[i].Next(count);
+      for (std::size_t row = 0; row < count; ++row) {
+        std::ranges::copy(values.subspan(row * width, width),
+                          block.begin() + static_cast<std::ptrdiff_t>(row * names.size() + column));
+      }
+    }
+    table.Rows(block);
   }
   table.Finish();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,10 +12,15 @@ namespace gauntlet::sim {
 
 /// An array of numbers in a file of arrays, as MAT, NPZ and HDF5 are.
 struct NamedArray {
+  /// Appends the values of the next rows.
+  using NextRows = std::function<void(std::size_t rows, std::vector<double>& values)>;
+  std::size_t count() const { return rows * columns; }  // of values
+
   std::string name;
   std::size_t rows = 0;
   std::size_t columns = 1;
-  std::vector<double> values;                  // row by row
+  std::vector<double> values;           // row by row
+  std::function<NextRows()> open = {};  // instead of values: reads them from the first row on
   std::vector<std::string> column_names = {};  // empty: name_1, name_2 ..
   std::string cell = {};      // cell, or element of a struct array, that it is in; empty: none
   std::string cells_of = {};  // the cell array or struct array of this cell
@@ -34,6 +40,9 @@ bool IsNameOfNames(std::string_view name);
 /// Puts a unit that is noted beside an array into the names of its columns: `deg` or `rad` of
 /// numbers, and the unit of a time. Other units change nothing.
 void AddUnit(NamedArray& array, std::string_view unit);
+
+/// Gives an array that is to be read its values.
+void ReadValues(NamedArray& array);
 
 /// Order of the values of an array: the last dimension changes first, as in C, or the first one, as
 /// in Fortran and MATLAB.

@@ -11,7 +11,9 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
+#include "controller/assert.h"
 #include "controller/number.h"
 #include "sim/base/csv_line.h"
 #include "sim/base/error.h"
@@ -44,9 +46,16 @@ CsvReader::CsvReader(std::string name, TableInput input, ProblemHandling handlin
                                                           : TextSource("")),
       handling_(handling),
       listener_(std::move(listener)) {
-  if (const auto* const table = std::get_if<std::shared_ptr<const Table>>(&input)) {
-    table_ = *table;
-    UseTable(**table);
+  if (auto* const stream = std::get_if<std::shared_ptr<TableStream>>(&input)) {
+    stream_ = std::move(*stream);
+    GAUNTLET_ASSERT(!stream_->is_begun());
+    if (stream_->table().rows == 0) stream_->Extend();
+    table_ = {stream_, &stream_->table()};
+  } else if (auto* const table = std::get_if<std::shared_ptr<const Table>>(&input)) {
+    table_ = std::move(*table);
+  }
+  if (table_) {
+    UseTable(*table_);
     if (skipped_lines > 0) FailInRow(1, 1, "is no text, so it has no lines to skip");
     return;
   }
@@ -65,8 +74,11 @@ void CsvReader::UseTable(const Table& table) {
 
 /// False at the end.
 bool CsvReader::NextRowOfTable() {
-  if (rows_read_ == table_->rows) return false;
-  row_ = first_row_line_ + rows_read_++;
+  if (rows_read_ == table_->rows) {
+    if (!stream_ || !stream_->Advance()) return false;
+    rows_before_ += std::exchange(rows_read_, 0);
+  }
+  row_ = first_row_line_ + rows_before_ + rows_read_++;
   return true;
 }
 
@@ -123,8 +135,10 @@ std::vector<std::string> CsvReader::remarks() const {
 }
 
 double CsvReader::share_read() const {
-  if (!table_ || table_->rows == 0) return controller::kNaN;
-  return static_cast<double>(rows_read_) / static_cast<double>(table_->rows);
+  if (!table_) return controller::kNaN;
+  const std::uint64_t rows = stream_ ? stream_->all_rows() : table_->rows;
+  if (rows == 0) return controller::kNaN;
+  return static_cast<double>(rows_before_ + rows_read_) / static_cast<double>(rows);
 }
 
 std::string CsvReader::Quoted(std::string_view cell) const {
@@ -202,8 +216,8 @@ std::vector<std::vector<std::string>> CsvReader::FirstRows(std::size_t most, std
   if (table_) {
     std::vector<std::vector<std::string>> rows;
     const std::size_t read = rows_read_;
-    for (std::size_t bytes = 0;
-         rows.size() < most && bytes < most_bytes && rows_read_ < table_->rows;) {
+    for (std::size_t bytes = 0; rows.size() < most && bytes < most_bytes &&
+                                (rows_read_ < table_->rows || (stream_ && stream_->Extend()));) {
       ++rows_read_;
       std::vector<std::string>& cells = rows.emplace_back();
       for (std::size_t c = 0; c < column_count_; ++c) {
@@ -345,6 +359,16 @@ double CsvReader::Number(std::string_view cell, std::size_t column) {
     return kMissing;
   }
   return *value;
+}
+
+std::shared_ptr<const Table> WholeTable(const TableInput& input) {
+  if (const auto* const table = std::get_if<std::shared_ptr<const Table>>(&input)) return *table;
+  const auto* const stream = std::get_if<std::shared_ptr<TableStream>>(&input);
+  if (stream == nullptr) return nullptr;
+  GAUNTLET_ASSERT(!(*stream)->is_begun());
+  while ((*stream)->Extend()) {
+  }
+  return {*stream, &(*stream)->table()};
 }
 
 Table TableOfText(CsvReader reader) {

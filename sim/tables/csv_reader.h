@@ -118,8 +118,10 @@ class CsvReader {
   void Problem(RecordingProblem problem, std::size_t column, const std::string& message);
 
   std::string name_;
-  std::shared_ptr<const Table> table_;  // none: text
-  std::size_t rows_read_ = 0;           // of the table
+  std::shared_ptr<const Table> table_;   // none: text
+  std::shared_ptr<TableStream> stream_;  // that the table is a part of; none: it is whole
+  std::size_t rows_read_ = 0;            // of the table
+  std::size_t rows_before_ = 0;          // of the stream, which are not in the table any more
   TextLines lines_;
   ProblemHandling handling_;
   Listener listener_;

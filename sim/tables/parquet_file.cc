@@ -1,14 +1,12 @@
 #include <fmt/format.h>
-#include <snappy-c.h>
-#include <zlib.h>
-#include <zstd.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -21,6 +19,8 @@
 #include "sim/tables/arrow_schema.h"
 #include "sim/tables/byte_reader.h"
 #include "sim/tables/checksum.h"
+#include "sim/tables/file_bytes.h"
+#include "sim/tables/parquet_pages.h"
 #include "sim/tables/thrift_value.h"
 #include "sim/tables/time_columns.h"
 
@@ -36,44 +36,8 @@ constexpr std::string_view kDecimals = "decimals in bytes; write them as doubles
 constexpr double kNull = std::numeric_limits<double>::quiet_NaN();
 
 // Numbers of parquet.thrift.
-enum PhysicalType {
-  kParquetBoolean = 0,
-  kParquetInt32 = 1,
-  kParquetInt64 = 2,
-  kParquetInt96 = 3,
-  kParquetFloat = 4,
-  kParquetDouble = 5,
-  kParquetBytes = 6,
-  kParquetFixedBytes = 7
-};
 enum Repetition { kRequired = 0, kOptional = 1, kRepeated = 2 };
 enum PageType { kDataPage = 0, kDictionaryPage = 2, kDataPageV2 = 3 };
-enum Encoding { kPlain = 0, kPlainDictionary = 2, kRle = 3, kRleDictionary = 8 };
-
-std::string_view NameIn(std::span<const std::string_view> names, std::int64_t number) {
-  return number >= 0 && number < std::ssize(names) ? names[static_cast<std::size_t>(number)]
-                                                   : "an unknown one";
-}
-constexpr std::array<std::string_view, 8> kCodecs = {"none",   "snappy", "gzip", "LZO",
-                                                     "brotli", "LZ4",    "zstd", "LZ4_RAW"};
-constexpr std::array<std::string_view, 10> kEncodings = {
-    "PLAIN",          "GROUP_VAR_INT",       "PLAIN_DICTIONARY",        "RLE",
-    "BIT_PACKED",     "DELTA_BINARY_PACKED", "DELTA_LENGTH_BYTE_ARRAY", "DELTA_BYTE_ARRAY",
-    "RLE_DICTIONARY", "BYTE_STREAM_SPLIT"};
-
-/// A column of the schema. Levels: how many optional or repeated nodes on its way there are.
-struct Leaf {
-  std::string name;
-  std::int64_t type = 0;
-  bool is_unsigned = false;
-  bool is_interval = false;   // months, days and ms
-  bool is_time_text = false;  // texts, which may be dates or clocks by the name
-  double factor = 1.0;        // from whole numbers to values of a decimal
-  std::string left_out = {};  // why it is not read; empty: it is
-  int repeated = 0;           // repeated nodes
-  unsigned most_defined = 0;  // the level of a value
-  unsigned item_defined = 0;  // from this level on there is an item in the list
-};
 
 /// True for an INTERVAL of Parquet, as DuckDB writes it.
 bool IsInterval(const ThriftValue& element) {
@@ -124,11 +88,11 @@ class SchemaReader {
     const std::int64_t children = elements_[next_++].NumberOr(5, 0);
     for (std::int64_t i = 0; i < children; ++i) Read("", {}, false, 0);
   }
-  std::vector<Leaf> leaves() && { return std::move(leaves_); }
+  std::vector<ParquetLeaf> leaves() && { return std::move(leaves_); }
 
  private:
   /// `is_only_item`: of a list.
-  void Read(const std::string& parent, Leaf leaf, bool is_only_item, int depth) {
+  void Read(const std::string& parent, ParquetLeaf leaf, bool is_only_item, int depth) {
     constexpr int kMostNested = 32;
     if (next_ >= elements_.size() || depth > kMostNested) FailAsDamaged("its schema is cut off");
     const ThriftValue& element = elements_[next_++];
@@ -175,190 +139,119 @@ class SchemaReader {
   const std::vector<ThriftValue>& elements_;
   std::vector<std::pair<std::string, std::string_view>> durations_;
   std::size_t next_ = 0;
-  std::vector<Leaf> leaves_;
+  std::vector<ParquetLeaf> leaves_;
 };
 
-std::string Inflated(std::string_view bytes, std::size_t size) {
-  std::string text(size, '\0');
-  z_stream stream = {};
-  constexpr int kGzipToo = 32;
-  if (inflateInit2(&stream, MAX_WBITS + kGzipToo) != Z_OK) FailAsDamaged("gzip cannot begin");
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(text.data());
-  stream.avail_out = static_cast<uInt>(size);
-  const int result = inflate(&stream, Z_FINISH);
-  inflateEnd(&stream);
-  if (result != Z_STREAM_END || stream.avail_out != 0) FailAsDamaged("a page is not whole");
-  return text;
-}
+/// Pages of a column in one row group.
+struct Chunk {
+  std::uint64_t begin = 0;
+  std::int64_t values = 0;  // with nulls
+  std::int64_t codec = 0;
+};
 
-/// Errors: UserError for another codec, or if there are not `size` bytes.
-std::string Decompressed(std::string_view bytes, std::int64_t codec, std::size_t size) {
-  std::string text;
-  switch (codec) {
-    case 0:
-      text = bytes;
-      break;
-    case 1: {
-      std::size_t found = 0;
-      if (snappy_uncompressed_length(bytes.data(), bytes.size(), &found) != SNAPPY_OK ||
-          found != size) {
-        FailAsDamaged("a page has another size than it says");
-      }
-      text.resize(size);
-      if (snappy_uncompress(bytes.data(), bytes.size(), text.data(), &found) != SNAPPY_OK) {
-        FailAsDamaged("a page is not whole");
-      }
-      break;
-    }
-    case 2:
-      return Inflated(bytes, size);
-    case 6: {
-      text.resize(size);
-      const std::size_t found =
-          ZSTD_decompress(text.data(), text.size(), bytes.data(), bytes.size());
-      if (ZSTD_isError(found) != 0 || found != size) FailAsDamaged("a page is not whole");
-      break;
-    }
-    default:
-      throw UserError(
-          fmt::format("is compressed by {}, which is not read; write it with snappy, "
-                      "gzip or zstd",
-                      NameIn(kCodecs, codec)));
-  }
-  if (text.size() != size) FailAsDamaged("a page has another size than it says");
-  return text;
-}
+/// What a file says about itself.
+struct Description {
+  FileBytes bytes;
+  std::uint64_t end = 0;  // of the pages
+  std::size_t rows = 0;
+  std::vector<ParquetLeaf> leaves = {};
+  std::vector<std::vector<Chunk>> chunks = {};  // of each leaf; none of those that are left out
+};
 
-/// Numbers of `width` bits as runs and as packed groups of eight.
-std::vector<std::uint32_t> RunsAndGroups(ByteReader bytes, unsigned width, std::size_t count) {
-  constexpr unsigned kMostWidth = 32;
-  if (width > kMostWidth) FailAsDamaged("a number of more than 32 bits");
-  std::vector<std::uint32_t> numbers;
-  if (width == 0) {
-    numbers.resize(count);
-    return numbers;
-  }
-  while (numbers.size() < count) {
-    const std::uint64_t header = bytes.Varint();
-    const std::size_t missing = count - numbers.size();
-    if (header % 2 == 0) {
-      std::uint32_t value = 0;
-      const std::string_view digits = bytes.Take((width + 7) / 8);
-      for (std::size_t i = 0; i < digits.size(); ++i) {
-        value |= static_cast<std::uint32_t>(static_cast<std::uint8_t>(digits[i])) << (8 * i);
-      }
-      if (header == 0) FailAsDamaged("a run of no values");
-      numbers.insert(numbers.end(), std::min<std::uint64_t>(header / 2, missing), value);
-      continue;
-    }
-    const std::uint64_t groups = header / 2;
-    if (groups == 0 || groups > bytes.rest().size()) FailAsDamaged("a run is longer than its page");
-    const std::string_view packed = bytes.Take(groups * width);
-    const std::uint64_t values = std::min<std::uint64_t>(8 * groups, missing);
-    for (std::uint64_t i = 0; i < values; ++i) {
-      std::uint64_t bits = 0;
-      const std::uint64_t first = i * width;
-      for (std::uint64_t byte = first / 8; byte <= (first + width - 1) / 8; ++byte) {
-        bits |= static_cast<std::uint64_t>(static_cast<std::uint8_t>(packed[byte]))
-                << (8 * (byte - first / 8));
-      }
-      const std::uint64_t mask = (std::uint64_t{1} << width) - 1;
-      numbers.push_back(static_cast<std::uint32_t>((bits >> (first % 8)) & mask));
-    }
-  }
-  return numbers;
-}
-
-std::vector<double> PlainValues(ByteReader bytes, const Leaf& leaf, std::size_t count) {
-  std::vector<double> values;
-  std::uint8_t flags = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    switch (leaf.type) {
-      case kParquetBoolean:
-        if (i % 8 == 0) flags = bytes.Little<std::uint8_t>();
-        values.push_back(flags >> (i % 8) & 1);
-        break;
-      case kParquetInt32:
-        values.push_back(leaf.is_unsigned ? static_cast<double>(bytes.Little<std::uint32_t>())
-                                          : bytes.Little<std::int32_t>());
-        break;
-      case kParquetInt64:
-        values.push_back(leaf.is_unsigned ? static_cast<double>(bytes.Little<std::uint64_t>())
-                                          : static_cast<double>(bytes.Little<std::int64_t>()));
-        break;
-      case kParquetInt96: {  // time of day [ns] and day, as Spark writes them
-        constexpr double kDay1970 = 2440588.0;
-        const auto time_ns = static_cast<double>(bytes.Little<std::int64_t>());
-        const double day = bytes.Little<std::uint32_t>() - kDay1970;
-        values.push_back(day * 86400e9 + time_ns);
-        break;
-      }
-      case kParquetFloat:
-        values.push_back(bytes.Little<float>());
-        break;
-      case kParquetBytes:
-        values.push_back(SecondsOfText(bytes.Take(bytes.Little<std::uint32_t>())).value_or(kNull));
-        break;
-      case kParquetFixedBytes:
-        if (leaf.is_interval) {
-          constexpr double kDay_ms = 86400e3;
-          const auto months = bytes.Little<std::uint32_t>();
-          const double days = bytes.Little<std::uint32_t>();
-          const double time_ms = days * kDay_ms + bytes.Little<std::uint32_t>();
-          values.push_back(months == 0 ? time_ms : kNull);
-          break;
-        }
-        values.push_back(ValueOfHalf(bytes.Little<std::uint16_t>()));
-        break;
-      default:
-        values.push_back(bytes.Little<double>());
-        break;
-    }
-    if (leaf.factor != 1.0) values.back() *= leaf.factor;
-  }
-  return values;
-}
-
-/// One column of all row groups.
+/// One column of all row groups, from the first row on. One page is in memory.
 class ColumnReader {
  public:
-  explicit ColumnReader(const Leaf& leaf) : leaf_(leaf) {}
+  /// `has_values`: false to read the levels alone.
+  ColumnReader(std::shared_ptr<const Description> file, std::size_t column, bool has_values)
+      : file_(std::move(file)),
+        leaf_(file_->leaves[column]),
+        chunks_(file_->chunks[column]),
+        has_values_(has_values) {}
 
-  /// Pages of one row group. `bytes`: the file up to its description.
-  void ReadChunk(std::string_view bytes, const ThriftValue& column) {
-    const ThriftValue& meta = column[3];
-    codec_ = meta.NumberOr(4, -1);
-    const std::int64_t values = meta.NumberOr(5, -1);
-    const std::int64_t data_at = meta.NumberOr(9, -1);
-    const std::int64_t dictionary_at = meta.NumberOr(11, 0);
-    const std::int64_t begin =
-        dictionary_at > 0 && dictionary_at < data_at ? dictionary_at : data_at;
-    if (meta.NumberOr(1, -1) != leaf_.type || values < 0 || values > kMostPageValues || begin < 0 ||
-        begin > std::ssize(bytes)) {
-      FailAsDamaged(fmt::format("the description of column {}", leaf_.name));
+  /// Appends the values of the next rows, of lists `width` in each.
+  void Rows(std::size_t rows, std::size_t width, std::vector<double>& values) {
+    for (; rows > 0 && leaf_.repeated > 0; --rows) {
+      const std::size_t before = values.size();
+      NextList([&] { values.push_back(values_[next_]); });
+      if (values.size() == before) values.insert(values.end(), width, kNull);
     }
-    dictionary_.clear();
-    ByteReader pages(bytes.substr(static_cast<std::size_t>(begin)));
-    for (left_ = values; left_ > 0;) left_ -= ReadPage(pages);
+    while (rows > 0) {
+      if (!HasNext()) FailWithoutRows();
+      const std::size_t count = std::min(rows, values_.size() - next_);
+      const auto begin = values_.begin() + static_cast<std::ptrdiff_t>(next_);
+      values.insert(values.end(), begin, begin + static_cast<std::ptrdiff_t>(count));
+      next_ += count;
+      rows -= count;
+    }
   }
 
-  NamedArray array(std::size_t rows) && {
-    if (leaf_.repeated > 0) return ListArray(rows);
-    if (values_.size() != rows)
-      FailAsDamaged(fmt::format("column {} has not all rows", leaf_.name));
-    return {.name = leaf_.name, .rows = rows, .columns = 1, .values = std::move(values_)};
+  /// Calls `item` for each item of the list in the next row. False behind the last row.
+  bool NextList(const std::function<void()>& item) {
+    if (!HasNext()) return false;
+    if (repeated_[next_] != 0) FailAsDamaged("a list begins with its second item");
+    do {
+      if (defined_[next_] >= leaf_.item_defined) item();
+      ++next_;
+    } while (HasNext() && repeated_[next_] != 0);
+    return true;
+  }
+  /// Of the item that NextList() gives: 1 for the first of an inner list.
+  std::uint32_t repeated() const { return repeated_[next_]; }
+
+  [[noreturn]] void FailWithoutRows() const {
+    FailAsDamaged(fmt::format("column {} has not all rows", leaf_.name));
   }
 
  private:
-  /// Returns the number of values with their nulls.
-  std::int64_t ReadPage(ByteReader& pages) {
-    const ThriftValue header = ReadThrift(pages);
+  /// False at the end of the column.
+  bool HasNext() {
+    while (next_ == defined_.size()) {
+      while (left_of_page_ == 0) {
+        if (left_ == 0 && !NextChunk()) return false;
+        if (left_ > 0) ReadPage();
+      }
+      ReadSlice();
+    }
+    return true;
+  }
+
+  bool NextChunk() {
+    if (chunk_ == chunks_.size()) return false;
+    dictionary_.clear();
+    left_ = chunks_[chunk_].values;
+    place_ = chunks_[chunk_++].begin;
+    return true;
+  }
+  std::int64_t codec() const { return chunks_[chunk_ - 1].codec; }
+
+  /// The header of the page at place_, which moves behind it.
+  ThriftValue ReadHeader() {
+    constexpr std::uint64_t kUsual = 1024, kMost = std::uint64_t{1} << 24;
+    const std::uint64_t left = file_->end - place_;
+    for (std::uint64_t size = kUsual;; size = kMost) {
+      const auto count = static_cast<std::size_t>(std::min(size, left));
+      ByteReader bytes(file_->bytes.At(place_, count, head_));
+      try {
+        ThriftValue header = ReadThrift(bytes);
+        place_ += count - bytes.rest().size();
+        return header;
+      } catch (const UserError&) {  // it is longer, as one with long statistics, or damaged
+        if (size == kMost || count == left) throw;
+      }
+    }
+  }
+
+  void ReadPage() {
+    const ThriftValue header = ReadHeader();
     const std::int64_t size = header.NumberOr(2, -1);
     const std::int64_t stored = header.NumberOr(3, -1);
     if (size < 0 || size > kMostPageBytes || stored < 0) FailAsDamaged("a page has no size");
-    const std::string_view body = pages.Take(static_cast<std::size_t>(stored));
+    if (static_cast<std::uint64_t>(stored) > file_->end - place_) {
+      FailAsDamaged("it ends too early");
+    }
+    const std::string_view body =
+        file_->bytes.At(place_, static_cast<std::size_t>(stored), stored_);
+    place_ += static_cast<std::uint64_t>(stored);
     ++page_;
     // The sum is over the bytes as they are stored, without the header, in pages of all kinds.
     constexpr std::int64_t kSum = 4;
@@ -368,13 +261,22 @@ class ColumnReader {
     }
     const std::int64_t type = header.NumberOr(1, -1);
     if (type == kDictionaryPage) {
-      const std::string text = Decompressed(body, codec_, static_cast<std::size_t>(size));
-      dictionary_ = PlainValues(ByteReader(text), leaf_, CountIn(header[7]));
-      return 0;
+      ReadDictionary(header[7], Unpacked(body, codec(), static_cast<std::size_t>(size)));
+    } else if (type == kDataPage) {
+      BeginDataPage(header[5], Unpacked(body, codec(), static_cast<std::size_t>(size)));
+      if (codec() != 0) stored_ = {};  // as large as the page, in each column
+    } else if (type == kDataPageV2) {
+      BeginDataPageV2(header[8], body, static_cast<std::size_t>(size));
+    }  // else of an index
+  }
+
+  /// In `body`, or in text_.
+  std::string_view Unpacked(std::string_view body, std::int64_t codec, std::size_t size) {
+    if (codec == 0) {
+      if (body.size() != size) FailAsDamaged("a page has another size than it says");
+      return body;
     }
-    if (type == kDataPage) return ReadDataPage(header[5], body, static_cast<std::size_t>(size));
-    if (type == kDataPageV2) return ReadDataPageV2(header[8], body, static_cast<std::size_t>(size));
-    return 0;  // of an index
+    return text_ = DecompressedPage(body, codec, size);
   }
 
   std::size_t CountIn(const ThriftValue& header) const {
@@ -383,23 +285,32 @@ class ColumnReader {
     return static_cast<std::size_t>(count);
   }
 
-  std::int64_t ReadDataPage(const ThriftValue& header, std::string_view body, std::size_t size) {
+  void ReadDictionary(const ThriftValue& header, std::string_view text) {
     const std::size_t count = CountIn(header);
-    const std::string text = Decompressed(body, codec_, size);
-    ByteReader bytes(text);
-    const auto levels = [&](unsigned most, std::int64_t encoding) {
-      if (most == 0) return std::vector<std::uint32_t>(count);
-      if (encoding != kRle) FailInEncoding(encoding);
-      const std::string_view part = bytes.Take(bytes.Little<std::uint32_t>());
-      return RunsAndGroups(ByteReader(part), WidthOf(most), count);
-    };
-    const auto repeated = levels(static_cast<unsigned>(leaf_.repeated), header.NumberOr(4, kRle));
-    const auto defined = levels(leaf_.most_defined, header.NumberOr(3, kRle));
-    Add(repeated, defined, bytes.rest(), header.NumberOr(2, -1));
-    return static_cast<std::int64_t>(count);
+    constexpr std::size_t kPart = 4096;  // memory follows what is there, not what it says
+    PageValues values(text, kParquetPlain, leaf_, dictionary_);
+    dictionary_.clear();
+    while (dictionary_.size() < count) {
+      const std::size_t before = dictionary_.size();
+      dictionary_.resize(std::min(before + kPart, count));
+      values.Next(std::span(dictionary_).subspan(before));
+    }
   }
 
-  std::int64_t ReadDataPageV2(const ThriftValue& header, std::string_view body, std::size_t size) {
+  void BeginDataPage(const ThriftValue& header, std::string_view text) {
+    const std::size_t count = CountIn(header);
+    ByteReader bytes(text);
+    const auto levels = [&](unsigned most, std::int64_t encoding) {
+      if (most == 0) return RunReader();
+      if (encoding != kParquetRle) FailInEncoding(leaf_, encoding);
+      return RunReader(bytes.Take(bytes.Little<std::uint32_t>()), WidthOf(most));
+    };
+    repetition_ = levels(static_cast<unsigned>(leaf_.repeated), header.NumberOr(4, kParquetRle));
+    definition_ = levels(leaf_.most_defined, header.NumberOr(3, kParquetRle));
+    Begin(count, bytes.rest(), header.NumberOr(2, -1));
+  }
+
+  void BeginDataPageV2(const ThriftValue& header, std::string_view body, std::size_t size) {
     const std::size_t count = CountIn(header);
     ByteReader bytes(body);
     const auto part = [&](std::int64_t field) {
@@ -407,108 +318,61 @@ class ColumnReader {
       if (length < 0) FailAsDamaged("a page has levels of negative size");
       return bytes.Take(static_cast<std::size_t>(length));
     };
-    const std::string_view repeated_bytes = part(6);
-    const std::string_view defined_bytes = part(5);
-    const std::size_t levels_size = repeated_bytes.size() + defined_bytes.size();
+    const std::string_view repeated = part(6);
+    const std::string_view defined = part(5);
+    const std::size_t levels_size = repeated.size() + defined.size();
     if (levels_size > size) FailAsDamaged("a page has another size than it says");
-    const auto repeated = RunsAndGroups(ByteReader(repeated_bytes),
-                                        WidthOf(static_cast<unsigned>(leaf_.repeated)), count);
-    const auto defined =
-        RunsAndGroups(ByteReader(defined_bytes), WidthOf(leaf_.most_defined), count);
+    repetition_ = RunReader(repeated, WidthOf(static_cast<unsigned>(leaf_.repeated)));
+    definition_ = RunReader(defined, WidthOf(leaf_.most_defined));
     const bool is_compressed = header.NumberOr(7, 1) != 0;
-    const std::string text =
-        Decompressed(bytes.rest(), is_compressed ? codec_ : 0, size - levels_size);
-    Add(repeated, defined, text, header.NumberOr(4, -1));
-    return static_cast<std::int64_t>(count);
+    Begin(count, Unpacked(bytes.rest(), is_compressed ? codec() : 0, size - levels_size),
+          header.NumberOr(4, -1));
+  }
+
+  void Begin(std::size_t count, std::string_view bytes, std::int64_t encoding) {
+    page_values_ = PageValues(bytes, encoding, leaf_, dictionary_);
+    left_of_page_ = count;
+    left_ -= static_cast<std::int64_t>(count);
+  }
+
+  /// Levels and values of the next part of the page.
+  void ReadSlice() {
+    constexpr std::size_t kSlice = 2048;
+    const std::size_t count = std::min(kSlice, left_of_page_);
+    left_of_page_ -= count;
+    next_ = 0;
+    repeated_.resize(count);
+    defined_.resize(count);
+    repetition_.Next(repeated_);
+    definition_.Next(defined_);
+    values_.resize(count);
+    if (!has_values_) return;
+    const auto good = static_cast<std::size_t>(std::ranges::count(defined_, leaf_.most_defined));
+    page_values_.Next(std::span(values_).first(good));
+    if (good == count) return;
+    for (std::size_t i = count, from = good; i-- > 0;) {
+      values_[i] = defined_[i] == leaf_.most_defined ? values_[--from] : kNull;
+    }
   }
 
   static unsigned WidthOf(unsigned most) { return static_cast<unsigned>(std::bit_width(most)); }
 
-  [[noreturn]] void FailInEncoding(std::int64_t encoding) const {
-    throw UserError(
-        fmt::format("column {} has the encoding {}, which is not read; write it with "
-                    "PLAIN or a dictionary",
-                    leaf_.name, NameIn(kEncodings, encoding)));
-  }
-
-  std::vector<double> Values(std::string_view bytes, std::int64_t encoding,
-                             std::size_t count) const {
-    if (encoding == kPlain) return PlainValues(ByteReader(bytes), leaf_, count);
-    ByteReader reader(bytes);
-    if (encoding == kRle && leaf_.type == kParquetBoolean) {
-      const std::string_view part = reader.Take(reader.Little<std::uint32_t>());
-      const auto flags = RunsAndGroups(ByteReader(part), 1, count);
-      return {flags.begin(), flags.end()};
-    }
-    if (encoding != kPlainDictionary && encoding != kRleDictionary) FailInEncoding(encoding);
-    std::vector<double> values;
-    if (count == 0) return values;
-    const unsigned width = reader.Little<std::uint8_t>();
-    for (const std::uint32_t place : RunsAndGroups(reader, width, count)) {
-      if (place >= dictionary_.size()) FailAsDamaged("a value is not in its dictionary");
-      values.push_back(dictionary_[place]);
-    }
-    return values;
-  }
-
-  void Add(const std::vector<std::uint32_t>& repeated, const std::vector<std::uint32_t>& defined,
-           std::string_view bytes, std::int64_t encoding) {
-    const auto count = static_cast<std::size_t>(std::ranges::count(defined, leaf_.most_defined));
-    const std::vector<double> values = Values(bytes, encoding, count);
-    std::size_t next = 0;
-    for (std::size_t i = 0; i < defined.size(); ++i) {
-      if (leaf_.repeated > 0 && repeated[i] == 0) lengths_.push_back(0);
-      if (leaf_.repeated > 0 && lengths_.empty())
-        FailAsDamaged("a list begins with its second item");
-      if (leaf_.repeated > 0 && defined[i] < leaf_.item_defined) continue;  // an empty list
-      values_.push_back(defined[i] == leaf_.most_defined ? values[next++] : kNull);
-      if (leaf_.repeated > 0) ++lengths_.back();
-      if (leaf_.repeated > 1) levels_.push_back(repeated[i]);
-    }
-  }
-
-  NamedArray ListArray(std::size_t rows) {
-    if (lengths_.size() != rows) {
-      FailAsDamaged(fmt::format("column {} has not all rows", leaf_.name));
-    }
-    const std::size_t length = rows == 0 ? 0 : std::ranges::max(lengths_);
-    NamedArray array{.name = leaf_.name, .rows = rows, .columns = length, .values = {}};
-    array.is_flat = leaf_.repeated < 2;
-    std::size_t next = 0;
-    for (std::size_t row = 0; row < rows; ++row) {
-      if (lengths_[row] == 0) {
-        array.values.insert(array.values.end(), length, kNull);
-        continue;
-      }
-      if (lengths_[row] != length) {
-        throw UserError(
-            fmt::format("row {} of column {} has {} values and others {}; each must "
-                        "have as many",
-                        row + 1, leaf_.name, lengths_[row], length));
-      }
-      if (leaf_.repeated > 1 &&
-          !std::equal(levels_.begin(), levels_.begin() + static_cast<std::ptrdiff_t>(length),
-                      levels_.begin() + static_cast<std::ptrdiff_t>(next))) {
-        throw UserError(
-            fmt::format("row {} of column {} has lists of other lengths; each must "
-                        "have as many",
-                        row + 1, leaf_.name));
-      }
-      const auto begin = values_.begin() + static_cast<std::ptrdiff_t>(next);
-      array.values.insert(array.values.end(), begin, begin + static_cast<std::ptrdiff_t>(length));
-      next += length;
-    }
-    return array;
-  }
-
-  const Leaf& leaf_;
-  std::int64_t codec_ = 0;
-  std::int64_t left_ = 0;  // values of the row group that are not read
-  int page_ = 0;           // from 1, of all row groups
+  std::shared_ptr<const Description> file_;
+  const ParquetLeaf& leaf_;
+  const std::vector<Chunk>& chunks_;
+  bool has_values_;
+  std::size_t chunk_ = 0;    // the next one
+  std::uint64_t place_ = 0;  // of the next page
+  std::int64_t left_ = 0;    // values of the row group in pages that are not read
+  int page_ = 0;             // from 1, of all row groups
+  std::string head_, stored_, text_;
   std::vector<double> dictionary_;
-  std::vector<double> values_;         // of lists one after the other
-  std::vector<std::size_t> lengths_;   // of the list in each row
-  std::vector<std::uint32_t> levels_;  // of the values of lists in lists: which list each begins
+  RunReader repetition_, definition_;
+  PageValues page_values_;
+  std::size_t left_of_page_ = 0;  // values behind the slice
+  std::vector<std::uint32_t> repeated_, defined_;
+  std::vector<double> values_;  // of the slice, with nulls
+  std::size_t next_ = 0;        // in the slice
 };
 
 /// True if all texts of a column are written plainly or by a dictionary; others have no reader.
@@ -520,55 +384,150 @@ bool HasPlainTexts(const std::vector<ThriftValue>& groups, std::size_t column) {
     return column < chunks.size() &&
            std::ranges::all_of(
                chunks[column][3][kEncodingsOfColumn].items, [](const ThriftValue& encoding) {
-                 return encoding.number < kFirstOther || encoding.number == kRleDictionary;
+                 return encoding.number < kFirstOther || encoding.number == kParquetRleDictionary;
                });
   });
 }
 
-}  // namespace
+/// The number of values in the list of each row.
+/// Errors: UserError for lists of several lengths, and for lists in lists of several shapes.
+std::size_t LengthOfLists(const std::shared_ptr<const Description>& file, std::size_t column) {
+  const ParquetLeaf& leaf = file->leaves[column];
+  ColumnReader lists(file, column, false);
+  std::size_t rows = 0, length = 0, longest = 0;
+  bool is_even = true;
+  while (lists.NextList([&length] { ++length; })) {
+    ++rows;
+    is_even = is_even && (length == 0 || longest == 0 || length == longest);
+    longest = std::max(longest, std::exchange(length, 0));
+  }
+  if (rows != file->rows) lists.FailWithoutRows();
+  if (is_even && leaf.repeated < 2) return longest;
+  ColumnReader again(file, column, false);
+  std::vector<std::uint32_t> first, levels;  // which inner list each value begins
+  for (std::size_t row = 1; again.NextList([&] { levels.push_back(again.repeated()); }); ++row) {
+    if (levels.empty()) continue;
+    if (levels.size() != longest) {
+      throw UserError(
+          fmt::format("row {} of column {} has {} values and others {}; each must "
+                      "have as many",
+                      row, leaf.name, levels.size(), longest));
+    }
+    if (first.empty()) first = levels;
+    if (first != levels && leaf.repeated > 1) {
+      throw UserError(
+          fmt::format("row {} of column {} has lists of other lengths; each must "
+                      "have as many",
+                      row, leaf.name));
+    }
+    levels.clear();
+  }
+  return longest;
+}
 
-std::vector<NamedArray> ReadParquet(std::string_view bytes) {
-  const std::size_t ends = sizeof(std::uint32_t) + kMagic.size();
-  if (bytes.size() < kMagic.size() + ends) FailAsDamaged("it ends too early");
-  if (bytes.ends_with("PARE")) throw UserError("is encrypted, which is not read");
-  if (!bytes.ends_with(kMagic)) FailAsDamaged("its end is missing");
-  const auto size = ByteReader(bytes.substr(bytes.size() - ends)).Little<std::uint32_t>();
-  if (size > bytes.size() - ends - kMagic.size()) FailAsDamaged("its description is too long");
-  const std::string_view pages = bytes.substr(0, bytes.size() - ends - size);
-  ByteReader description(bytes.substr(pages.size(), size));
-  const ThriftValue file = ReadThrift(description);
+/// Errors: UserError for what no file has.
+Chunk ChunkOf(const ThriftValue& column, const ParquetLeaf& leaf, std::uint64_t end) {
+  if (!column[1].bytes.empty()) throw UserError("has its columns in other files");
+  const ThriftValue& meta = column[3];
+  const std::int64_t values = meta.NumberOr(5, -1);
+  const std::int64_t data_at = meta.NumberOr(9, -1);
+  const std::int64_t dictionary_at = meta.NumberOr(11, 0);
+  const std::int64_t begin = dictionary_at > 0 && dictionary_at < data_at ? dictionary_at : data_at;
+  if (meta.NumberOr(1, -1) != leaf.type || values < 0 || values > kMostPageValues || begin < 0 ||
+      static_cast<std::uint64_t>(begin) > end) {
+    FailAsDamaged(fmt::format("the description of column {}", leaf.name));
+  }
+  return {
+      .begin = static_cast<std::uint64_t>(begin), .values = values, .codec = meta.NumberOr(4, -1)};
+}
+
+/// True if a column of texts has one that is a time.
+bool HasTimes(const std::shared_ptr<const Description>& file, std::size_t column) {
+  constexpr std::size_t kRows = 4096;
+  ColumnReader reader(file, column, true);
+  std::vector<double> values;
+  for (std::size_t row = 0; row < file->rows; row += kRows) {
+    values.clear();
+    reader.Rows(std::min(kRows, file->rows - row), 1, values);
+    if (std::ranges::any_of(values, [](double value) { return !std::isnan(value); })) return true;
+  }
+  return false;
+}
+
+std::shared_ptr<const Description> Described(FileBytes bytes) {
+  auto file = std::make_shared<Description>(Description{.bytes = std::move(bytes)});
+  constexpr std::size_t kEnds = sizeof(std::uint32_t) + kMagic.size();
+  const std::uint64_t size = file->bytes.size();
+  if (size < kMagic.size() + kEnds) FailAsDamaged("it ends too early");
+  std::string room;
+  const std::string_view ends = file->bytes.At(size - kEnds, kEnds, room);
+  if (ends.ends_with("PARE")) throw UserError("is encrypted, which is not read");
+  if (!ends.ends_with(kMagic)) FailAsDamaged("its end is missing");
+  const auto described = ByteReader(ends).Little<std::uint32_t>();
+  if (described > size - kEnds - kMagic.size()) FailAsDamaged("its description is too long");
+  file->end = size - kEnds - described;
+  ByteReader description(file->bytes.At(file->end, described, room));
+  const ThriftValue whole = ReadThrift(description);
   std::vector<std::pair<std::string, std::string_view>> durations;
-  for (const ThriftValue& fact : file[5].items) {
+  for (const ThriftValue& fact : whole[5].items) {
     if (fact[1].bytes == "ARROW:schema") durations = DurationsOf(fact[2].bytes);
   }
-  const std::vector<Leaf> leaves = SchemaReader(file[2].items, std::move(durations)).leaves();
-  const std::int64_t rows = file.NumberOr(3, -1);
-  if (rows < 0 || rows > kMostPageValues) FailAsDamaged("it has no number of rows");
-  std::vector<NamedArray> arrays;
-  for (std::size_t i = 0; i < leaves.size(); ++i) {
-    if (!leaves[i].left_out.empty()) {
-      arrays.push_back({.name = leaves[i].name, .values = {}, .left_out = leaves[i].left_out});
-      continue;
-    }
-    if (leaves[i].is_time_text && !HasPlainTexts(file[4].items, i)) {
-      arrays.push_back({.name = leaves[i].name, .values = {}, .left_out = std::string(kTexts)});
-      continue;
-    }
-    ColumnReader column(leaves[i]);
-    for (const ThriftValue& group : file[4].items) {
-      const std::vector<ThriftValue>& chunks = group[1].items;
-      if (chunks.size() != leaves.size()) FailAsDamaged("a row group has not all columns");
-      if (!chunks[i][1].bytes.empty()) throw UserError("has its columns in other files");
-      column.ReadChunk(pages, chunks[i]);
-    }
-    NamedArray array = std::move(column).array(static_cast<std::size_t>(rows));
-    const bool is_empty =
-        std::ranges::all_of(array.values, [](double value) { return std::isnan(value); });
-    if (leaves[i].is_time_text && is_empty) {
-      array = {.name = leaves[i].name, .values = {}, .left_out = std::string(kTexts)};
-    }
-    arrays.push_back(std::move(array));
+  file->leaves = SchemaReader(whole[2].items, std::move(durations)).leaves();
+  for (std::size_t i = 0; i < file->leaves.size(); ++i) {
+    ParquetLeaf& leaf = file->leaves[i];
+    if (leaf.is_time_text && !HasPlainTexts(whole[4].items, i)) leaf.left_out = kTexts;
   }
+  const std::int64_t rows = whole.NumberOr(3, -1);
+  if (rows < 0 || rows > kMostPageValues) FailAsDamaged("it has no number of rows");
+  file->rows = static_cast<std::size_t>(rows);
+  file->chunks.resize(file->leaves.size());
+  for (const ThriftValue& group : whole[4].items) {
+    const std::vector<ThriftValue>& columns = group[1].items;
+    if (columns.size() != file->leaves.size()) FailAsDamaged("a row group has not all columns");
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const ParquetLeaf& leaf = file->leaves[i];
+      if (leaf.left_out.empty()) {
+        file->chunks[i].push_back(ChunkOf(columns[i], leaf, file->end));
+      }
+    }
+  }
+  return file;
+}
+
+}  // namespace
+
+std::vector<NamedArray> OpenParquet(FileBytes bytes) {
+  const std::shared_ptr<const Description> file = Described(std::move(bytes));
+  std::vector<NamedArray> arrays;
+  for (std::size_t i = 0; i < file->leaves.size(); ++i) {
+    const ParquetLeaf& leaf = file->leaves[i];
+    if (!leaf.left_out.empty()) {
+      arrays.push_back({.name = leaf.name, .values = {}, .left_out = leaf.left_out});
+      continue;
+    }
+    std::uint64_t values = 0;
+    for (const Chunk& chunk : file->chunks[i]) values += static_cast<std::uint64_t>(chunk.values);
+    if (leaf.repeated == 0 && values != file->rows) ColumnReader(file, i, false).FailWithoutRows();
+    if (leaf.is_time_text && !HasTimes(file, i)) {
+      arrays.push_back({.name = leaf.name, .values = {}, .left_out = std::string(kTexts)});
+      continue;
+    }
+    const std::size_t width = leaf.repeated > 0 ? LengthOfLists(file, i) : 1;
+    arrays.push_back({.name = leaf.name, .rows = file->rows, .columns = width, .values = {}});
+    arrays.back().is_flat = leaf.repeated < 2;
+    arrays.back().open = [file, i, width]() -> NamedArray::NextRows {
+      const auto column = std::make_shared<ColumnReader>(file, i, true);
+      return [column, width](std::size_t rows, std::vector<double>& into) {
+        column->Rows(rows, width, into);
+      };
+    };
+  }
+  return arrays;
+}
+
+std::vector<NamedArray> ReadParquet(std::string_view bytes) {
+  std::vector<NamedArray> arrays = OpenParquet(FileBytes(std::string(bytes)));
+  for (NamedArray& array : arrays) ReadValues(array);
   return arrays;
 }
 

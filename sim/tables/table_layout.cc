@@ -363,7 +363,7 @@ TableLayout LayoutOf(const std::string& name, const std::vector<Line>& lines) {
 
 FoundTable FindTable(const std::string& name, TableInput input, ProblemHandling handling,
                      CsvReader::Listener listener) {
-  if (std::holds_alternative<std::shared_ptr<const Table>>(input)) {
+  if (!std::holds_alternative<CsvReader::Source>(input)) {
     CsvReader reader(name, std::move(input), handling, std::move(listener));
     TableLayout layout;
     layout.has_header = true;

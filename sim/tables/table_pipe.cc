@@ -11,17 +11,15 @@ namespace {
 
 constexpr std::uint64_t kMostTexts = std::uint64_t{1} << 20;
 constexpr std::uint64_t kMostLetters = std::uint64_t{1} << 20;
-constexpr std::uint64_t kMostKnownRows = std::uint64_t{1} << 20;
 constexpr std::size_t kBlockValues = std::size_t{1} << 15;
-
-/// Rows of a block with so many columns.
-std::size_t RowsOfBlock(std::size_t columns) {
-  return std::max<std::size_t>(kBlockValues / std::max<std::size_t>(columns, 1), 1);
-}
 
 [[noreturn]] void Fail() { throw UserError("has a table that cannot be read"); }
 
 }  // namespace
+
+std::size_t RowsOfBlock(std::size_t columns) {
+  return std::max<std::size_t>(kBlockValues / std::max<std::size_t>(columns, 1), 1);
+}
 
 void PipeWriter::Count(std::uint64_t count) {
   send_({reinterpret_cast<const char*>(&count), sizeof count});
@@ -76,7 +74,7 @@ TableWriter::TableWriter(PipeWriter& pipe, const std::vector<std::string>& names
     : pipe_(pipe), columns_(names.size()) {
   pipe_.Texts(names);
   pipe_.Texts(remarks);
-  pipe_.Count(std::min<std::uint64_t>(rows, kMostKnownRows));
+  pipe_.Count(rows);
 }
 
 void TableWriter::Rows(std::span<const double> values) {
@@ -105,32 +103,50 @@ void TableWriter::Finish(bool is_cut, std::span<const double> order) {
   pipe_.Numbers(order);
 }
 
-Table ReadTable(PipeReader& pipe) {
-  Table table;
-  for (std::string& name : pipe.Texts()) table.columns.push_back({.name = std::move(name)});
-  table.remarks = pipe.Texts();
+TableReader::TableReader(PipeReader& pipe) : pipe_(pipe) {
+  for (std::string& name : pipe_.Texts()) head_.columns.push_back({.name = std::move(name)});
+  head_.remarks = pipe_.Texts();
+  known_rows_ = pipe_.Count(UINT64_MAX);
+}
+
+bool TableReader::ReadBlock(Table& table) {
   const std::size_t columns = table.columns.size();
-  const std::size_t known_rows = pipe.Count(kMostKnownRows);
+  const std::size_t rows = pipe_.Count(RowsOfBlock(columns));
+  if (rows == 0) {
+    table.is_cut = pipe_.Count(1) > 0;
+    return false;
+  }
+  block_.resize(rows * columns);
+  pipe_.Numbers(block_);
+  for (std::size_t c = 0; c < columns; ++c) {
+    std::vector<double>& numbers = table.columns[c].numbers;
+    numbers.resize(table.rows + rows);
+    for (std::size_t row = 0; row < rows; ++row) {
+      numbers[table.rows + row] = block_[row * columns + c];
+    }
+  }
+  table.rows += rows;
+  return true;
+}
+
+std::vector<double> TableReader::ReadOrder(const Table& table) {
+  std::vector<double> order(pipe_.Count(table.rows));
+  pipe_.Numbers(order);
+  return order;
+}
+
+Table ReadTable(PipeReader& pipe) {
+  TableReader reader(pipe);
+  Table table = reader.head();
+  constexpr std::uint64_t kMostKnownRows = std::uint64_t{1} << 20;
   constexpr std::size_t kMostKnownValues = std::size_t{1} << 27;
-  if (known_rows * columns <= kMostKnownValues) {
+  const std::size_t known_rows = std::min(reader.known_rows(), kMostKnownRows);
+  if (known_rows * table.columns.size() <= kMostKnownValues) {
     for (TableColumn& column : table.columns) column.numbers.reserve(known_rows);
   }
-  std::vector<double> block;
-  while (const std::size_t rows = pipe.Count(RowsOfBlock(columns))) {
-    block.resize(rows * columns);
-    pipe.Numbers(block);
-    for (std::size_t c = 0; c < columns; ++c) {
-      std::vector<double>& numbers = table.columns[c].numbers;
-      numbers.resize(table.rows + rows);
-      for (std::size_t row = 0; row < rows; ++row) {
-        numbers[table.rows + row] = block[row * columns + c];
-      }
-    }
-    table.rows += rows;
+  while (reader.ReadBlock(table)) {
   }
-  table.is_cut = pipe.Count(1) > 0;
-  std::vector<double> order(pipe.Count(table.rows));
-  pipe.Numbers(order);
+  const std::vector<double> order = reader.ReadOrder(table);
   if (order.empty()) return table;
   const auto is_row = [&](double place) { return place >= 0.0 && place < table.rows; };
   if (order.size() != table.rows || !std::ranges::all_of(order, is_row)) Fail();

@@ -40,10 +40,13 @@ class PipeReader {
   std::function<void(std::span<char>)> fill_;
 };
 
+/// Rows of a block of a table with so many columns.
+std::size_t RowsOfBlock(std::size_t columns);
+
 /// Writes a table of numbers row by row, in blocks.
 class TableWriter {
  public:
-  /// `rows`: number of rows, if it is known, for the memory of the reader; else 0.
+  /// `rows`: number of rows, if it is known; else 0.
   TableWriter(PipeWriter& pipe, const std::vector<std::string>& names,
               const std::vector<std::string>& remarks, std::size_t rows);
   /// Whole rows, one behind the other. Shapes: a multiple of the names.
@@ -56,6 +59,28 @@ class TableWriter {
 
   PipeWriter& pipe_;
   std::size_t columns_ = 0;
+  std::vector<double> block_;
+};
+
+/// Reads what a TableWriter wrote, block by block.
+class TableReader {
+ public:
+  /// Reads names and remarks. `pipe` must outlive it.
+  explicit TableReader(PipeReader& pipe);
+  /// A table without rows.
+  const Table& head() const { return head_; }
+  /// Number of rows, if the writer knew it; else 0.
+  std::uint64_t known_rows() const { return known_rows_; }
+  /// Appends the rows of the next block. False behind the last one: then the table knows whether it
+  /// is cut.
+  bool ReadBlock(Table& table);
+  /// Behind the last block: the places of the rows in the order that they have; empty: as they are.
+  std::vector<double> ReadOrder(const Table& table);
+
+ private:
+  PipeReader& pipe_;
+  Table head_;
+  std::uint64_t known_rows_ = 0;
   std::vector<double> block_;
 };
 

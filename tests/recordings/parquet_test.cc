@@ -473,6 +473,79 @@ TEST(Parquet, EachRowGroupHasItsDictionary) {
               HasSubstr("not in its dictionary"));
 }
 
+/// Rows 0, 0.5 .. of a column `f`, each row group with its dictionary; one in nine is null.
+std::string Halves(int groups, int rows_of_each, std::int64_t codec) {
+  std::vector<V1Column> columns;
+  for (int group = 0; group < groups; ++group) {
+    V1Column& column = columns.emplace_back();
+    column.codec = codec;
+    column.encoding = 0;
+    column.count = rows_of_each;
+    column.has_sums = true;
+    std::string levels;
+    for (int i = 0; i < rows_of_each; ++i) {
+      const int row = group * rows_of_each + i;
+      levels += std::string{2, static_cast<char>(row % 9 != 0)};
+      if (row % 9 != 0) column.values += Little(0.5 * row);
+    }
+    column.levels = WithLength(levels);
+  }
+  return V1File(columns, rows_of_each, {Number(1, 5) + Number(2, 1) + Text(1, "f")}, 5);
+}
+
+// Far more rows than a block of the table and a part of a page have.
+TEST(Parquet, InManyRowGroupsIsReadAsInOne) {
+  constexpr int kRows = 90'000;
+  test::TemporaryDirectory folder;
+  const auto text_of = [&](int groups, std::int64_t codec) {
+    const std::filesystem::path file = folder.path() / "f.parquet";
+    std::ofstream(file, std::ios::binary) << Halves(groups, kRows / groups, codec);
+    return test::TextOf(TableSource(file));
+  };
+  const std::string whole = text_of(1, 0);
+  EXPECT_THAT(whole, testing::StartsWith("f\nnan\n0.5\n1\n"));
+  EXPECT_THAT(whole, testing::EndsWith("\n44999.5\n"));
+  EXPECT_EQ(std::ranges::count(whole, '\n'), kRows + 1);
+  EXPECT_EQ(text_of(10, 0), whole);
+  EXPECT_EQ(text_of(9, 6), whole);
+}
+
+TEST(Parquet, IsHereABlockAtATime) {
+  test::TemporaryDirectory folder;
+  const std::filesystem::path file = folder.path() / "f.parquet";
+  std::ofstream(file, std::ios::binary) << Halves(2, 100'000, 6);
+  const auto stream = std::get<std::shared_ptr<TableStream>>(TableSource(file));
+  EXPECT_EQ(stream->all_rows(), 200'000U);
+  std::size_t rows = 0;
+  while (stream->Advance()) {
+    EXPECT_LE(stream->table().rows, 40'000U);
+    rows += stream->table().rows;
+  }
+  EXPECT_EQ(rows, 200'000U);
+}
+
+// It is found where it is read, with the name of the file.
+TEST(Parquet, OfWhichTheLastPageChangedIsReadUpToIt) {
+  test::TemporaryDirectory folder;
+  const std::filesystem::path file = folder.path() / "f.parquet";
+  std::string bytes = Halves(10, 40'000, 0);
+  const std::size_t last = bytes.rfind(Little(0.5 * 399'999));
+  ASSERT_NE(last, std::string::npos);
+  bytes[last] = static_cast<char>(bytes[last] ^ 1);
+  std::ofstream(file, std::ios::binary) << bytes;
+  CsvReader reader(file.string(), TableSource(file), ProblemHandling::kAllowMissing);
+  std::vector<double> row(1);
+  std::size_t rows = 0;
+  try {
+    while (reader.NextRow(row)) ++rows;
+    ADD_FAILURE() << "is read";
+  } catch (const UserError& error) {
+    EXPECT_EQ(error.place(), file.string());
+    EXPECT_THAT(error.what(), HasSubstr("is damaged: page 10 of f does not have its checksum"));
+  }
+  EXPECT_GT(rows, 300'000U);
+}
+
 TEST(Parquet, HalvesDecimalsAndOldTimesAreNumbers) {
   const std::string half =
       Number(1, 7) + Number(1, 2) + Number(1, 0) + Text(1, "f") + Group(6, Group(15, ""));

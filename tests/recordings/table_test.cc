@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -77,6 +78,47 @@ TEST(CsvReader, OfATableIgnoresColumnsAndRefusesSkippedLines) {
   EXPECT_EQ(error_of(Mixed(), 0), "");
   EXPECT_EQ(error_of(Mixed(), 1), "in:1:1: is no text, so it has no lines to skip");
   EXPECT_EQ(error_of(std::make_shared<const Table>(), 0), "in:1:1: the file holds no data");
+}
+
+/// Rows 0, 1 .. in blocks; `longest`: the most rows that were here at once.
+std::shared_ptr<TableStream> Counting(std::size_t rows, std::size_t block, std::size_t& longest) {
+  Table head;
+  head.columns.push_back({.name = "n"});
+  return std::make_shared<TableStream>(head, rows, [=, &longest, next = 0.0](Table& table) mutable {
+    for (std::size_t i = 0; i < block && next < static_cast<double>(rows); ++i, ++table.rows) {
+      table.columns[0].numbers.push_back(next++);
+    }
+    longest = std::max(longest, table.rows);
+    return table.rows > 0;
+  });
+}
+
+TEST(CsvReader, OfAStreamHoldsABlockAtATime) {
+  constexpr std::size_t kRows = 1000, kBlock = 7;
+  std::size_t longest = 0;
+  CsvReader reader("in", Counting(kRows, kBlock, longest), ProblemHandling::kStrict);
+  std::vector<double> row(1);
+  for (std::size_t k = 0; k < kRows; ++k) {
+    ASSERT_TRUE(reader.NextRow(row));
+    ASSERT_EQ(row[0], static_cast<double>(k));
+    ASSERT_EQ(reader.row(), k + 2);
+    ASSERT_EQ(reader.share_read(), static_cast<double>(k + 1) / kRows);
+  }
+  EXPECT_FALSE(reader.NextRow(row));
+  EXPECT_EQ(longest, kBlock);
+}
+
+TEST(CsvReader, OfAStreamGivesTheFirstRowsAgain) {
+  std::size_t longest = 0;
+  CsvReader reader("in", Counting(100, 7, longest), ProblemHandling::kStrict);
+  const auto first = reader.FirstRows(20, 0);
+  ASSERT_EQ(first.size(), 20U);
+  EXPECT_THAT(first[19], ElementsAre("19"));
+  std::vector<double> row(1);
+  double sum = 0.0;
+  while (reader.NextRow(row)) sum += row[0];
+  EXPECT_EQ(sum, 4950.0);
+  EXPECT_EQ(longest, 21U);
 }
 
 TEST(FindTable, OfATableHasItsFirstRowsAsTextAndGivesThemAgain) {

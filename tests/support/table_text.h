@@ -21,14 +21,14 @@ namespace gauntlet::test {
 inline std::string RemarkLine(const std::string& remark) { return fmt::format("# {}\n", remark); }
 
 /// A table as text: names, and a line for each row, with the remarks behind the second one. A text
-/// as it is.
+/// as it is, a stream to its end.
 inline std::string TextOf(const sim::TableInput& input) {
-  const auto* const table = std::get_if<std::shared_ptr<const sim::Table>>(&input);
-  if (table == nullptr) return sim::BytesOf(std::get<sim::CsvReader::Source>(input));
-  std::string text = fmt::format("{}\n", fmt::join((*table)->names(), ","));
-  for (std::size_t row = 0; row < (*table)->rows; ++row) {
+  const std::shared_ptr<const sim::Table> table = sim::WholeTable(input);
+  if (!table) return sim::BytesOf(std::get<sim::CsvReader::Source>(input));
+  std::string text = fmt::format("{}\n", fmt::join(table->names(), ","));
+  for (std::size_t row = 0; row < table->rows; ++row) {
     const char* comma = "";
-    for (const sim::TableColumn& column : (*table)->columns) {
+    for (const sim::TableColumn& column : table->columns) {
       text += comma;
       text +=
           column.texts.empty() ? fmt::format("{}", column.numbers.at(row)) : column.texts.at(row);
@@ -36,7 +36,7 @@ inline std::string TextOf(const sim::TableInput& input) {
     }
     text += '\n';
     if (row != 1) continue;
-    for (const std::string& remark : (*table)->remarks) text += RemarkLine(remark);
+    for (const std::string& remark : table->remarks) text += RemarkLine(remark);
   }
   return text;
 }

@@ -365,7 +365,7 @@ bool IsRectified(const ColumnStatistics& is) {
 }
 
 /// Replaces the statistics of raw muscle signals by those of their envelopes. `table`: of the file;
-/// a text has been read, and is opened again.
+/// a text or stream has been read, and is opened again.
 void ComputeEnvelopeStatistics(const std::filesystem::path& file, TableInput table,
                                const TimeGuess& time, Inspection& inspection) {
   std::vector<std::pair<std::size_t, Envelope>> envelopes;
@@ -376,7 +376,9 @@ void ComputeEnvelopeStatistics(const std::filesystem::path& file, TableInput tab
   }
   if (envelopes.empty()) return;
   const auto is_whole = std::make_shared<bool>(true);
-  if (std::holds_alternative<CsvReader::Source>(table)) table = TableSource(file, inspection.array);
+  if (!std::holds_alternative<std::shared_ptr<const Table>>(table)) {
+    table = TableSource(file, inspection.array);
+  }
   auto [layout, reader] =
       FindTable(file.string(), BeginningOf(std::move(table), is_whole), ProblemHandling::kRepair);
   for (std::size_t c = 0; c < inspection.columns.size(); ++c) {

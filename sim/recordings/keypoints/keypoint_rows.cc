@@ -212,8 +212,9 @@ bool HasHandLines(std::string_view head) {
 }  // namespace
 
 TableInput KeypointsInColumns(const std::string& name, TableInput input) {
-  if (const auto* const table = std::get_if<std::shared_ptr<const Table>>(&input)) {
-    const std::optional<RowForm> form = RowFormOf((*table)->names());
+  if (!std::holds_alternative<CsvReader::Source>(input)) {
+    const std::optional<RowForm> form =
+        RowFormOf(CsvReader(name, input, ProblemHandling::kRepair).header());
     if (!form) return input;
     CsvReader reader(name, std::move(input), ProblemHandling::kRepair);
     return WithHead(WideText(reader, *form), nullptr);

@@ -209,12 +209,12 @@ TableInput AnglesOfKeypoints(const std::string& name, TableInput input) {
       NamesIn(name, source != nullptr ? TableInput(TextSource(head)) : input);
   std::string text;                    // the whole one, once it is known to have hands
   std::shared_ptr<const Table> table;  // of the input
-  if (source == nullptr) table = std::get<std::shared_ptr<const Table>>(input);
   for (const Quaternions quaternions : {Quaternions::kTaken, Quaternions::kLeft}) {
     if (names.empty()) break;
     KeypointLayout layout = FindKeypoints(names, quaternions);
     if (layout.has_several) throw UserError({.place = name, .problem = layout.problem});
     if (layout.hands.empty()) break;
+    if (!table) table = WholeTable(input);
     // Rows of one and of two hands are a question, before the rows of one width are dropped.
     if (!table) FindTable(name, TextSource(head), ProblemHandling::kRepair);
     if (!table) {
@@ -231,7 +231,7 @@ TableInput AnglesOfKeypoints(const std::string& name, TableInput input) {
     }
   }
   // No hand, or so many numbers of another kind.
-  if (source == nullptr) return input;
+  if (source == nullptr) return table ? TableInput(table) : input;
   if (!text.empty()) return WithHead(std::move(text), nullptr);
   return WithHead(std::move(head), std::move(*source));
 }
