@@ -516,7 +516,7 @@ TEST(Parquet, IsHereABlockAtATime) {
   std::ofstream(file, std::ios::binary) << Halves(2, 100'000, 6);
   const auto stream = std::get<std::shared_ptr<TableStream>>(TableSource(file));
   EXPECT_EQ(stream->all_rows(), 200'000U);
-  std::size_t rows = 0;
+  std::size_t rows = stream->table().rows;  // the first block may be here
   while (stream->Advance()) {
     EXPECT_LE(stream->table().rows, 40'000U);
     rows += stream->table().rows;
