@@ -12,7 +12,7 @@
 
 #include "controller/number.h"
 #include "sim/base/json.h"
-#include "sim/trial/link/receiver_config.h"
+#include "sim/trial/link/link_config.h"
 
 namespace gauntlet::sim {
 namespace {

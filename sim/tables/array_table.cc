@@ -465,7 +465,7 @@ bool IsNameOfNames(std::string_view name) {
 }
 
 void AddUnit(NamedArray& array, std::string_view unit) {
-  if (array.values.size() < 2) return;
+  if (array.count() < 2) return;
   if (array.columns == 1 && GroupOfTime(array)) {
     // A name with a unit of its own keeps it.
     const std::string whole = fmt::format("{}_{}", array.name, unit);
@@ -490,7 +490,7 @@ std::vector<NamedArray> WithFacts(std::vector<NamedArray> arrays) {
   for (const NamedArray& texts : arrays) {
     if (texts.texts.size() < 2 || !IsNameOfNames(texts.name)) continue;
     const auto has_as_many = [&](const NamedArray& array) {
-      return array.texts.empty() && array.values.size() > RowsOf(array) && RowsOf(array) > 1 &&
+      return array.texts.empty() && array.count() > RowsOf(array) && RowsOf(array) > 1 &&
              SensorsOf(array) == texts.texts.size();
     };
     const auto is_of_group = [&](const NamedArray& array) {
