@@ -149,7 +149,7 @@ struct Chunk {
   std::int64_t codec = 0;
 };
 
-/// What a file says about itself.
+/// The description of a file at its end.
 struct Description {
   FileBytes bytes;
   std::uint64_t end = 0;  // of the pages
@@ -195,7 +195,7 @@ class ColumnReader {
     } while (HasNext() && repeated_[next_] != 0);
     return true;
   }
-  /// Of the item that NextList() gives: 1 for the first of an inner list.
+  /// The level of the item that NextList() gives: 1 for the first of an inner list.
   std::uint32_t repeated() const { return repeated_[next_]; }
 
   [[noreturn]] void FailWithoutRows() const {

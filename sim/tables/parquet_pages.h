@@ -54,7 +54,7 @@ std::string DecompressedPage(std::string_view bytes, std::int64_t codec, std::si
 class RunReader {
  public:
   RunReader() = default;
-  /// Of width 0 all numbers are 0. Errors: UserError for more than 32 bits.
+  /// Numbers of width 0 are all 0. Errors: UserError for more than 32 bits.
   RunReader(std::string_view bytes, unsigned width);
   void Next(std::span<std::uint32_t> numbers);
 

@@ -45,7 +45,7 @@ class TableStream {
   TableStream(Table head, std::uint64_t all_rows, NextBlock next)
       : table_(std::move(head)), all_rows_(all_rows), next_(std::move(next)) {}
 
-  /// What is known of the table, and the rows that are here.
+  /// The facts of the table, and the rows that are here.
   const Table& table() const { return table_; }
   std::uint64_t all_rows() const { return all_rows_; }
   /// True if the first rows are not here any more.

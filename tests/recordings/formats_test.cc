@@ -400,7 +400,7 @@ TEST(FormatOfBytes, KnowsEveryFormatByItsBeginning) {
            {"version https://git-lfs.github.com", FileFormat::kLfsPointer},
            {"\x1a\x45\xdf\xa3", FileFormat::kVideo},
            {"RIFF1234AVI LIST", FileFormat::kVideo},
-           {"RIFF1234WAVEfmt", FileFormat::kText},
+           {"RIFF1234WEBPVP8", FileFormat::kText},
            {"\1\2\3\4ftypisom", FileFormat::kVideo},
            {"XDF:", FileFormat::kXdf},
            {"Kaydara FBX Binary", FileFormat::kFbx},

@@ -427,7 +427,7 @@ TEST(ListTopics, TakesTheOnlyOneWithSignals) {
   Recorded unread(Topics{{"/a", "p/T"}}, "protobuf");
   EXPECT_EQ(QuestionOf(ListTopics(unread, "")),
             "has no topic with signals that is read, but /a (its messages are encoded as protobuf, "
-            "not as cdr or json)");
+            "not as cdr or json; write them as json)");
   Recorded unknown(Topics{{"/a", "p/T"}}, "");
   EXPECT_THAT(QuestionOf(ListTopics(unknown, "")), HasSubstr("encoded as nothing known"));
   EXPECT_EQ(QuestionOf({}), "has no topic");

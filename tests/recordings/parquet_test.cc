@@ -661,8 +661,8 @@ TEST(Parquet, LeavesOutWhatIsNoNumberOfAtMost64Bits) {
   EXPECT_EQ(reason(6, ""), "texts");
   EXPECT_EQ(reason(7, ""), "bytes");
   for (const std::int64_t type : {6, 7}) {
-    EXPECT_EQ(reason(type, decimal), "decimals of more than 64 bits");
-    EXPECT_EQ(reason(type, Number(2, 5)), "decimals of more than 64 bits");
+    EXPECT_EQ(reason(type, decimal), "decimals in bytes; write them as doubles");
+    EXPECT_EQ(reason(type, Number(2, 5)), "decimals in bytes; write them as doubles");
   }
   EXPECT_EQ(reason(1, Group(6, Group(6, ""))), "dates without a clock");
   EXPECT_EQ(reason(8, ""), "no numbers");

@@ -327,7 +327,7 @@ TEST(Constraint, IsMetByAnIntervalOrByItsMean) {
   EXPECT_EQ(IsMet(at_most, interval(0.19, 0.05)), Met::kLikely);
   EXPECT_EQ(IsMet(at_most, interval(0.21, 0.05)), Met::kUnlikely);
   EXPECT_EQ(IsMet(at_most, interval(0.3, 0.05)), Met::kNo);
-  EXPECT_EQ(IsMet(at_most, MeanInterval{}), Met::kNoScore);
+  EXPECT_EQ(IsMet(at_most, MeanInterval{}), Met::kUnscored);
   const Constraint at_least = ParseConstraint("sparc>=-2", "subject_to");
   EXPECT_EQ(IsMet(at_least, interval(-1.0, 0.5)), Met::kYes);
   EXPECT_EQ(IsMet(at_least, interval(-3.0, 0.5)), Met::kNo);

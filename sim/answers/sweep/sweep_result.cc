@@ -100,7 +100,7 @@ std::string_view MetText(Met met) {
 }
 
 Met IsMet(const Constraint& constraint, const MeanInterval& score) {
-  if (std::isnan(score.mean)) return Met::kNoScore;
+  if (std::isnan(score.mean)) return Met::kUnscored;
   const double sign = constraint.at_most ? 1.0 : -1.0;
   const double above = sign * (score.mean - constraint.bound);
   const double half_width = std::isnan(score.high) ? 0.0 : score.high - score.mean;

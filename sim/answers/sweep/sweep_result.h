@@ -16,7 +16,7 @@ enum class Met {
   kLikely,  // its mean does, not its whole interval
   kUnlikely,
   kNo,  // not any of its interval
-  kNoScore,
+  kUnscored,
 };
 std::string_view MetText(Met met);  // "yes", "likely", ...
 Met IsMet(const Constraint& constraint, const MeanInterval& score);
