@@ -212,7 +212,8 @@ class FileHelper {
                 LimitsFor(file_bytes)),
         pipe_([this](std::span<char> bytes) { helper_.Receive(bytes); }) {}
 
-  /// The result of `take`, which reads of what the helper sends. Errors: as of `work` and of `take`, with the place.
+  /// The result of `take`, which reads of what the helper sends. Errors: as of `work` and of
+  /// `take`, with the place.
   template <class Take>
   auto Receive(const Take& take) {
     try {

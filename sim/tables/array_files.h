@@ -34,12 +34,11 @@ std::vector<NamedArray> ReadOctaveText(std::string_view text);
 /// behind their name.
 ///
 /// Pages of version 1 and 2; encodings PLAIN, RLE and dictionary; not compressed, snappy, gzip or
-/// zstd. Source: github.com/apache/parquet-format (README.md, Encodings.md, parquet.thrift).
-/// Their values are read with NamedArray::open, a page at a time, so memory grows neither with the
-/// file nor with its row groups.
-/// Errors: UserError without a place, also later where the values are read: a damaged file; a column
-/// of numbers that is written in any other way; lists of several lengths or shapes in one column,
-/// with the row.
+/// zstd. Source: github.com/apache/parquet-format (README.md, Encodings.md, parquet.thrift). Their
+/// values are read with NamedArray::open, a page at a time, so memory grows neither with the file
+/// nor with its row groups. Errors: UserError without a place, also later where the values are
+/// read: a damaged file; a column of numbers that is written in any other way; lists of several
+/// lengths or shapes in one column, with the row.
 std::vector<NamedArray> OpenParquet(FileBytes bytes);
 /// OpenParquet() with all values.
 std::vector<NamedArray> ReadParquet(std::string_view bytes);

@@ -18,10 +18,10 @@ namespace gauntlet::sim {
 /// Each number is a column, named by the fields on the way to it. Numbers of a list are numbered
 /// from 1; where the message has a list of as many names (`name`, `names`, `joint_names`) beside
 /// them, they have these names; so do positions, velocities and the like in its parts. Items of a
-/// list in JSON that have a `name` each are called so. Times and durations are in seconds. Positions of a JointState have the names of their joints; for their
-/// unit see UnitOfJoint().
-/// Left out are texts, layouts of arrays, and lists of more than 64 bytes, as images are.
-/// Source: OMG Common Data Representation (formal/02-06-51, 15.3); docs.ros.org, sensor_msgs.
+/// list in JSON that have a `name` each are called so. Times and durations are in seconds.
+/// Positions of a JointState have the names of their joints; for their unit see UnitOfJoint(). Left
+/// out are texts, layouts of arrays, and lists of more than 64 bytes, as images are. Source: OMG
+/// Common Data Representation (formal/02-06-51, 15.3); docs.ros.org, sensor_msgs.
 class MessageRows {
  public:
   /// Errors: UserError without a place if messages of the topic are not read.

@@ -41,10 +41,9 @@ bool MayBeTime(std::string_view name);
 /// first number is the day if dots are between them or it is above 12, else the month (assumption:
 /// only a recording over midnight can tell). Clocks: `13:05`, `13:05:07.25`, `1:05:07 PM`,
 /// `05:07.25` (minutes, as it has a fraction). Between both: a blank, `T` or `_`, or `/` as in
-/// `2025/05/23/15:03:53.88`. Behind: `Z` or a shift as `+02:00`. Durations: `0 days 00:00:00.010000`,
-/// `PT0.01S` (ISO 8601).
-/// Units: s, of a date since 1970-01-01 (UTC, without a shift the clock as it is), of a clock alone
-/// since midnight.
+/// `2025/05/23/15:03:53.88`. Behind: `Z` or a shift as `+02:00`. Durations: `0 days
+/// 00:00:00.010000`, `PT0.01S` (ISO 8601). Units: s, of a date since 1970-01-01 (UTC, without a
+/// shift the clock as it is), of a clock alone since midnight.
 std::optional<double> SecondsOfText(std::string_view text);
 
 }  // namespace gauntlet::sim

@@ -261,7 +261,8 @@ TEST(GuessTime, KnowsTheUnitByNameOrDate) {
   EXPECT_EQ(TimeOf("date,recv_timestamp_ms,a",
                    {"2024-05-31,5", "2024-05-31,25", "2024-05-31,45", "2024-05-31,65"}),
             "ms ");
-  // The index of pandas without a name, behind reset_index(): in JSON, and in Parquet as it is read.
+  // The index of pandas without a name, behind reset_index(): in JSON, and in Parquet as it is
+  // read.
   EXPECT_EQ(TimeOf("index,a", {"1700000000000", "1700000000020", "1700000000040"}), "ms ");
   EXPECT_EQ(TimeOf("index_time_us,a", {"0", "20000", "40000"}), "us ");
   EXPECT_EQ(TimeOf("index,a", {"1700000000", "1700000100", "1700000200"}), "");
