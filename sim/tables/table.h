@@ -25,6 +25,7 @@ struct Table {
   std::vector<TableColumn> columns;
   std::size_t rows = 0;
   bool is_cut = false;               // the file ends before its end; whole rows are here
+  bool is_tracked = false;           // angles of a hand that a camera or suit followed
   std::vector<std::string> remarks;  // findings about the table
   std::size_t first_line = 2;        // of the rows, for messages
   std::string angle_unit = {};       // deg or rad; angle: either; empty: the format has none

@@ -107,10 +107,16 @@ constexpr HealthRule kHealthRules[] = {
          return fmt::format("rows at {:.3g} Hz are too slow to tell movement from noise",
                             inspection.time.rate_hz);
        }
-       return fmt::format("does not move: range/noise {:.0f}{}; check its cable", value,
-                          others.range_over_noise > 0.0
-                              ? fmt::format(", others {:.0f}", others.range_over_noise)
-                              : std::string());
+       const std::string others_have = others.range_over_noise > 0.0
+                                           ? fmt::format(", others {:.0f}", others.range_over_noise)
+                                           : std::string();
+       return inspection.is_tracked
+                  ? fmt::format(
+                        "moves too little for its noise: range/noise {:.0f}{}; show the "
+                        "tracker more of it",
+                        value, others_have)
+                  : fmt::format("does not move: range/noise {:.0f}{}; check its cable", value,
+                                others_have);
      },
      true},
     {"lost",

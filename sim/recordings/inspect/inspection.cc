@@ -683,6 +683,7 @@ Inspection Inspect(const std::filesystem::path& file, const InspectionOptions& o
   }
   if (const auto* table = std::get_if<std::shared_ptr<const Table>>(&*opened.table)) {
     inspection.is_cut = (*table)->is_cut;
+    inspection.is_tracked = (*table)->is_tracked;
   }
   const auto is_whole = std::make_shared<bool>(true);
   auto [layout, reader] =

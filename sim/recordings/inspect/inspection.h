@@ -63,8 +63,9 @@ struct Inspection {
   std::vector<ListedTopic> topics;  // of a file of messages; if none is taken, nothing follows
                                     // but the question
   std::uintmax_t file_bytes = 0;
-  bool is_whole = true;  // false: only the beginning of a large file was read
-  bool is_cut = false;   // the file ends before its end; what is whole was read
+  bool is_whole = true;     // false: only the beginning of a large file was read
+  bool is_cut = false;      // the file ends before its end; what is whole was read
+  bool is_tracked = false;  // the angles are of keypoints or bones: no joint has a cable
   TableLayout layout;
   std::size_t rows = 0;
   std::map<std::string, std::size_t> problems;  // number of rows by problem, see NameOf()

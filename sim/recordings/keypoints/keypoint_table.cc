@@ -140,6 +140,7 @@ TableColumn Part(const TableColumn& column, const std::vector<std::size_t>& rows
 Table TableOfAngles(const KeypointRows& rows, std::vector<KeypointColumns>& hands) {
   Table table;
   table.is_cut = rows.table.is_cut;
+  table.is_tracked = true;
   table.remarks = rows.table.remarks;
   std::vector<AnglesOfBones> of_hands;
   std::vector<std::string> sides;
