@@ -12,6 +12,7 @@
 #include "sim/fit/audit.h"
 #include "sim/fit/chain_episodes.h"
 #include "sim/fit/fit_tables.h"
+#include "sim/fit/follow_fit.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -200,6 +201,38 @@ std::string OffsetsText(const ChainResult& result) {
                      100.0 * kOffsetOfTravel, FirstNames(std::move(texts)));
 }
 
+namespace {
+
+/// A sentence about parts whose delay drifts over the longest episode; empty if none does.
+std::string DriftText(const ChainResult& result) {
+  const auto longest = std::ranges::max_element(
+      result.episodes, {}, [](const ChainLog& log) { return log.command_deg.rows(); });
+  constexpr double kLeastChange_ms = 10.0;
+  constexpr double kLeastChange_rows = 0.3;
+  const double row_ms = 1e3 / longest->rate_hz;
+  const double least_rows = std::max(kLeastChange_ms / row_ms, kLeastChange_rows);
+  std::vector<std::string> drifting;
+  double first_ms = 0.0, last_ms = 0.0;  // sums
+  for (std::size_t i = 0; i < result.fits.size(); ++i) {
+    if (!result.fits[i].problem.empty()) continue;
+    const auto part = static_cast<Eigen::Index>(i);
+    const FollowRows rows = {longest->command_deg.col(part), longest->angle_deg.col(part)};
+    const auto drift = FindDelayDrift(rows, longest->rate_hz, least_rows);
+    if (!drift) continue;
+    drifting.push_back(longest->parts[i]);
+    first_ms += row_ms * drift->first_rows;
+    last_ms += row_ms * drift->last_rows;
+  }
+  if (drifting.empty()) return "";
+  const auto count = static_cast<double>(drifting.size());
+  return fmt::format(
+      "The delay of {} goes from {:.0f} to {:.0f} ms over the log, as with two clocks: one value "
+      "fits no moment of it.",
+      FirstNames(std::move(drifting)), first_ms / count, last_ms / count);
+}
+
+}  // namespace
+
 Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain,
                   const std::string& file) {
   const ChainLog& log = result.log();
@@ -266,6 +299,7 @@ Verdict VerdictOf(const ChainResult& result, const IdentifiedChain& chain,
                                    "has one; audit checks the log.",
                                    FirstNames(std::move(undelayed)), is_one ? "has" : "have"));
   }
+  verdict.AddWarning("delay_drifts", DriftText(result));
   constexpr double kMostLeft = 0.25;  // of the motion
   std::vector<std::string> strays;
   double left = 0.0;

@@ -335,4 +335,28 @@ CommonValue CommonOf(std::span<const double> values, std::span<const double> err
   return result;
 }
 
+std::optional<DelayDrift> FindDelayDrift(const FollowRows& rows, double rate_hz,
+                                         double least_rows) {
+  constexpr Eigen::Index kParts = 4;
+  constexpr double kShortest_s = 20.0;
+  if (static_cast<double>(rows.command.size()) < kShortest_s * rate_hz) return std::nullopt;
+  const Eigen::Index length = rows.command.size() / kParts;
+  std::vector<double> delays, errors;
+  for (Eigen::Index part = 0; part < kParts; ++part) {
+    const FollowRows of_part = {rows.command.segment(part * length, length),
+                                rows.angle.segment(part * length, length)};
+    const FollowFit fit = FitFollowing({&of_part, 1}, rate_hz);
+    if (!fit.is_known || !(fit.error_rows > 0.0)) return std::nullopt;
+    delays.push_back(fit.delay_rows);
+    errors.push_back(fit.error_rows);
+  }
+  const bool is_one_way = std::ranges::is_sorted(delays, std::ranges::less_equal()) ||
+                          std::ranges::is_sorted(delays, std::ranges::greater_equal());
+  if (!is_one_way || std::abs(delays.back() - delays.front()) < least_rows ||
+      !CommonOf(delays, errors).differs) {
+    return std::nullopt;
+  }
+  return DelayDrift{delays.front(), delays.back()};
+}
+
 }  // namespace gauntlet::sim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -49,6 +50,18 @@ class CommonCorrelation {
   Eigen::Index lead_;
   Eigen::VectorXd products_, of_commands_, of_angles_;  // sums by lag
 };
+
+/// Delays at both ends of a log in which they change from part to part in one direction.
+struct DelayDrift {
+  double first_rows = 0.0;
+  double last_rows = 0.0;
+};
+
+/// Finds a delay that drifts, as where command and angle have clocks of their own: in a log of 20 s
+/// or more, in each of four parts of equal length later (or each time earlier) than in the part
+/// before, by `least_rows` or more in all, and by more than chance explains at 1 %. None if a part
+/// has no delay.
+std::optional<DelayDrift> FindDelayDrift(const FollowRows& rows, double rate_hz, double least_rows);
 
 /// Mean of several estimates with their standard errors, if the estimated thing itself may differ
 /// from one to the next.
