@@ -18,6 +18,7 @@
 #include "controller/assert.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/tables/name_words.h"
 #include "sim/tables/time_columns.h"
 
 namespace gauntlet::sim {
@@ -125,6 +126,16 @@ void MarkChosen(const std::vector<NamedArray>& arrays, std::string_view chosen,
   throw UserError(fmt::format("holds no array {}, but {}", Shown(chosen), TextOf(listed)));
 }
 
+/// The weight of an array in the choice of the table. An inertial sensor sends more numbers than a
+/// glove, and says less of its joints: it is the table where it is alone.
+std::size_t WeightOf(const NamedArray& array) {
+  constexpr std::string_view kInertial =
+      "imu acc accel acceleration accelerometer gyro gyroscope mag magnetometer";
+  constexpr std::size_t kLess = 100;
+  const bool is_inertial = HasWordOf(WordsOf(array.name), kInertial);
+  return is_inertial ? (array.count() + kLess - 1) / kLess : array.count();
+}
+
 /// Leaves marked what has the number of rows that holds the most values; gives that number.
 /// `left_out`: lines about arrays that are not read.
 std::size_t KeepMostRows(const std::vector<NamedArray>& arrays,
@@ -133,7 +144,7 @@ std::size_t KeepMostRows(const std::vector<NamedArray>& arrays,
   std::map<std::size_t, std::size_t> values_of_rows;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     if (!listed[i].is_taken || RowsOf(arrays[i]) < 2) continue;
-    values_of_rows[RowsOf(arrays[i])] += arrays[i].count();
+    values_of_rows[RowsOf(arrays[i])] += WeightOf(arrays[i]);
   }
   const auto most =
       std::ranges::max_element(values_of_rows, {}, [](const auto& entry) { return entry.second; });

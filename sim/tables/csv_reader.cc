@@ -75,8 +75,9 @@ void CsvReader::UseTable(const Table& table) {
 /// False at the end.
 bool CsvReader::NextRowOfTable() {
   if (rows_read_ == table_->rows) {
-    if (!stream_ || !stream_->Advance()) return false;
+    if (!stream_) return false;
     rows_before_ += std::exchange(rows_read_, 0);
+    if (!stream_->Advance()) return false;
   }
   row_ = first_row_line_ + rows_before_ + rows_read_++;
   return true;

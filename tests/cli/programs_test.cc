@@ -129,7 +129,8 @@ TEST_F(Programs, RunOnlyWithTheConsentOfTheCommandLine) {
   EXPECT_THAT(exported.standard_error, HasSubstr("is a program"));
   const ProgramResult live = Gauntlet({"live", "s.yaml", "--controller", "mine"});
   EXPECT_EQ(live.exit_code, 2);
-  EXPECT_THAT(live.standard_error, HasSubstr("is a program (kind external), which has no place"));
+  EXPECT_THAT(live.standard_error,
+              HasSubstr("is a program or its answers (kind external), which has no place"));
 }
 
 TEST_F(Programs, ThatPassTheirInputScoreAsNoneToTheLastBit) {

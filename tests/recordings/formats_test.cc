@@ -155,6 +155,16 @@ TEST(WriteTable, OfAnArrayThatLacksATimeTakesThatWithAsManyRows) {
   EXPECT_THAT(TableOf(arrays, "right_hand"), testing::StartsWith("time_s,right_hand\n"));
 }
 
+// Wrong: the IMU, which sends more numbers than the glove.
+TEST(WriteTable, TakesTheGloveBesideAnInertialSensor) {
+  std::vector<NamedArray> arrays = TwoSystems();
+  arrays[3].name = "imu_t";
+  arrays[4].name = "imu_acceleration";
+  EXPECT_THAT(TableOf(arrays), testing::StartsWith("time_s,glove_t,glove_angles_1"));
+  arrays.erase(arrays.begin(), arrays.begin() + 3);
+  EXPECT_THAT(TableOf(arrays), HasSubstr("imu_acceleration_1,imu_acceleration_2"));
+}
+
 TEST(ListArrays, NamesAllThatThereAreWhereOneIsUnknown) {
   EXPECT_EQ(ErrorOf([] { ListArrays(TwoSystems(), "hand"); }),
             "holds no array hand, but glove_t (2 x 1), glove_angles (2 x 2), glove_raw (2 x 1), "

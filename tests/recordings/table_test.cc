@@ -105,6 +105,8 @@ TEST(CsvReader, OfAStreamHoldsABlockAtATime) {
     ASSERT_EQ(reader.share_read(), static_cast<double>(k + 1) / kRows);
   }
   EXPECT_FALSE(reader.NextRow(row));
+  EXPECT_FALSE(reader.NextRow(row)) << "behind the end";
+  EXPECT_EQ(reader.share_read(), 1.0);
   EXPECT_EQ(longest, kBlock);
 }
 

@@ -253,7 +253,8 @@ void RecordedMotionConfig::Visit(controller::SettingsVisitor& visitor) {
   visitor.Path({"map", "column map for a file with other names or units, or a preset"}, map);
   visitor.Text({"array",
                 "of a file with arrays: the name of the one to take, or of a group of them; by "
-                "default those of the number of rows that holds the most values; of MCAP or a ROS "
+                "default those of the number of rows that holds the most values, those of an "
+                "inertial sensor last; of MCAP or a ROS "
                 "2 bag: the topic"},
                array);
   visitor.Number({"file_rate_hz", "rows per second of a file without a time column", 0, 100000},
