@@ -157,21 +157,21 @@ void AddAnswers(YamlNode& root, const std::string& text, std::string_view file,
 
 void AddController(YamlNode& root, const std::string& text, std::string_view words,
                    YamlSource& source) {
-  if (std::error_code none; std::filesystem::is_regular_file(words, none)) {
-    return AddAnswers(root, text, words, source);
-  }
   const std::size_t colon = std::min(words.find(':'), words.size());
   const std::string kind(words.substr(0, colon));
-  if (kind.find_first_of("./") != std::string::npos) {  // which no kind has
-    Fail(text, std::string(kControllers), "no such file: " + Shown(words));
-  }
   std::vector<std::string> kinds;
   for (const controller::FilterKind& known : controller::FilterKinds()) {
     kinds.emplace_back(known.name);
   }
   if (std::ranges::find(kinds, kind) == kinds.end()) {
+    std::error_code none;
+    if (std::filesystem::is_regular_file(words, none)) {
+      return AddAnswers(root, text, words, source);
+    }
+    const bool is_file = kind.find_first_of("./") != std::string::npos;
     Fail(text, std::string(kControllers),
-         fmt::format("is no kind of filter: {}{}", Shown(kind), Suggestion(kind, kinds)));
+         is_file ? "no such file: " + Shown(words)
+                 : fmt::format("is no kind of filter: {}{}", Shown(kind), Suggestion(kind, kinds)));
   }
   const std::string name = FreeName(kind, ControllerNames(root));
   const std::string path = fmt::format("{}.{}", kControllers, name);
