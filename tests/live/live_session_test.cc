@@ -1,5 +1,5 @@
-// Sessions of some tenths of a second with gloves and motors of the test. Nothing depends on how
-// fast the machine is.
+// Sessions of some tenths of a second with gloves and motors of the test. One in which the machine
+// skipped a tick says nothing of the program, and is left out.
 #include "sim/live/live_session.h"
 
 #include <gmock/gmock.h>
@@ -28,6 +28,8 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+
+constexpr const char* kBusy = "the machine is busy";
 
 GloveConfig ShortMotion() {
   GloveConfig config;
@@ -80,6 +82,7 @@ TEST(LiveSession, OfASimulatedGloveIsATrialInRealTime) {
   LiveSetup setup = Simulated();
   setup.shadows = {{"same", setup.trial.controller}, {"smooth", Smooth()}};
   const LiveResult live = RunWithoutSkips(setup);
+  if (live.facts.skipped_ticks > 0) GTEST_SKIP() << kBusy;
   const LiveFacts& facts = live.facts;
   EXPECT_EQ(facts.end, LiveEnd::kGloveEnded);
   EXPECT_EQ(facts.ticks + facts.skipped_ticks, 400);
@@ -97,7 +100,6 @@ TEST(LiveSession, OfASimulatedGloveIsATrialInRealTime) {
   ASSERT_EQ(live.shadows.size(), 2u);
   ASSERT_EQ(live.shadows[1].target_angle_rad.rows(), 400);
   EXPECT_EQ(live.shadows[1].step.count(), facts.ticks);
-  if (facts.skipped_ticks > 0) GTEST_SKIP() << "the machine is busy";
 
   const Trace trial = RunTrial(setup.trial, *setup.simulated_glove);
   EXPECT_EQ(live.trace.controller_name, "first");
@@ -131,6 +133,7 @@ TEST(LiveSession, EndsAfterItsSecondsAndKeepsTheBeginningOfTheTrace) {
   setup.seconds = 0.2;
   setup.trace_s = 0.1;
   const LiveResult live = RunLive(setup);
+  if (live.facts.skipped_ticks > 0) GTEST_SKIP() << kBusy;
   EXPECT_EQ(live.facts.end, LiveEnd::kSeconds);
   EXPECT_GE(live.facts.ticks + live.facts.skipped_ticks, 200);
   EXPECT_LE(live.facts.ticks, 201);
@@ -168,13 +171,10 @@ TEST(LiveSession, ShowsItsMomentsToAWatcher) {
   LiveView view = ViewOf(setup);
   setup.view = &view;
   const LiveResult live = RunWithoutSkips(setup, [&] { See(view); });
+  if (live.facts.skipped_ticks > 0) GTEST_SKIP() << kBusy;
   const Watched watched = See(view);
   const auto count = static_cast<double>(watched.moments.size());
-  EXPECT_LE(count, 20.0);  // 50 a second
-  EXPECT_GE(count, 1.0);
-  if (live.facts.skipped_ticks == 0) {
-    EXPECT_EQ(count, 20.0);
-  }
+  EXPECT_EQ(count, 20.0);  // 50 a second
   double time_s = 0.0;
   for (std::size_t i = 0; i < watched.moments.size(); ++i) {
     const LiveMoment& moment = watched.moments[i];
@@ -198,7 +198,6 @@ TEST(LiveSession, ShowsItsMomentsToAWatcher) {
     EXPECT_NEAR(watched.values[i][hand + 2 * joints], live.shadows[0].target_angle_rad(tick - 1, 0),
                 1e-6);
   }
-  if (live.facts.skipped_ticks > 0) GTEST_SKIP() << "the machine is busy";
   ASSERT_EQ(watched.ticks.size(), 400u);
   for (std::size_t tick = 0; tick < 400; ++tick) {
     EXPECT_EQ(watched.ticks[tick].number, static_cast<std::int64_t>(tick));
@@ -215,6 +214,7 @@ TEST(LiveSession, SwitchesToTheControllerThatIsAskedForAndEndsItsTrace) {
   for (const int asked : {0, 1, 2}) {
     view.Ask(asked);
     const LiveResult live = RunLive(setup);
+    if (live.facts.skipped_ticks > 0) GTEST_SKIP() << kBusy;
     const Watched watched = See(view);
     EXPECT_EQ(live.facts.switch_count, asked == 1 ? 1 : 0);
     ASSERT_EQ(live.facts.switches.size(), asked == 1 ? 1u : 0u);
@@ -240,10 +240,11 @@ TEST(LiveSession, KeepsStretchesOfHalfASecondInWhichTheHandIsMarkedStill) {
     setup.view = &view;
     view.Mark(true);
     const LiveResult live = RunLive(setup);
+    if (live.facts.skipped_ticks > 0) GTEST_SKIP() << kBusy;
     EXPECT_EQ(live.facts.still.size(), seconds > 0.5 ? 1u : 0u);
     const Watched watched = See(view);
     EXPECT_TRUE(watched.moments.back().is_still);
-    if (live.facts.still.empty() || live.facts.skipped_ticks > 0) continue;
+    if (live.facts.still.empty()) continue;
     EXPECT_EQ(live.facts.still[0].begin_s, 0.0);
     EXPECT_NEAR(live.facts.still[0].end_s, seconds, 0.0011);
   }
@@ -343,6 +344,7 @@ TEST(LiveSession, TakesEachFrameOfAFileAndNumbersThemAsTheSenderDoes) {
   std::vector<std::string> said;
   setup.say = [&](const std::string& line) { said.push_back(line); };
   const LiveResult live = RunLive(setup);
+  if (live.facts.skipped_ticks > 0) GTEST_SKIP() << kBusy;
   const LiveFacts& facts = live.facts;
   EXPECT_EQ(facts.end, LiveEnd::kGloveEnded);
   EXPECT_EQ(facts.arrivals.frames, 30);
@@ -384,6 +386,7 @@ TEST(LiveSession, BeginsWithTheNewestFrameOfADevice) {
   LiveSetup setup = WithGlove(glove);
   setup.shadows = {{"raw", {}}};
   const LiveResult live = RunLive(setup);
+  if (live.facts.skipped_ticks > 0) GTEST_SKIP() << kBusy;
   EXPECT_EQ(live.facts.arrivals.frames, 80);
   const controller::GloveCalibration& calibration = setup.trial.calibration;
   ASSERT_GT(live.trace.linearised_angle_rad.rows(), 0);
@@ -433,6 +436,7 @@ TEST(LiveSession, BringsRealMotorsFromRestAndBackToRest) {
   setup.sink = &motors;
   setup.seconds = 0.4;
   const LiveResult live = RunLive(setup);
+  if (live.facts.skipped_ticks > 0) GTEST_SKIP() << kBusy;
   const LiveFacts& facts = live.facts;
   EXPECT_EQ(facts.end, LiveEnd::kSeconds);
   EXPECT_GE(facts.duration_s, 0.4);
@@ -456,10 +460,7 @@ TEST(LiveSession, BringsRealMotorsFromRestAndBackToRest) {
     for (std::size_t motor = 0; motor < rest.size(); ++motor) {
       const double most = std::abs(hand.counts_per_rad[motor]) * 300.0 * kRadPerDeg * 0.02 + 1.0;
       const double step = std::abs(sent[i][motor] - before[motor]);
-      // Ticks that a busy machine skipped move on, too.
-      if (facts.skipped_ticks == 0) {
-        EXPECT_LE(step, most * frames) << i << " " << motor;
-      }
+      EXPECT_LE(step, most * frames) << i << " " << motor;
       largest = std::max(largest, step);
       farthest = std::max(farthest, std::abs(sent[i][motor] - rest[motor]));
     }
@@ -483,10 +484,9 @@ TEST(LiveSession, EndsWithAPipeThatIsClosedAndOutlivesOtherMotors) {
     LiveView view = ViewOf(setup);
     setup.view = &view;
     const LiveResult live = RunLive(setup);
+    if (live.facts.skipped_ticks > 0) GTEST_SKIP() << kBusy;
     EXPECT_EQ(live.facts.end, comes_back ? LiveEnd::kSeconds : LiveEnd::kSinkGone);
-    if (live.facts.skipped_ticks < 20) {
-      EXPECT_EQ(live.facts.duration_s < 0.3, !comes_back);
-    }
+    EXPECT_EQ(live.facts.duration_s < 0.3, !comes_back);
     const Watched watched = See(view);
     EXPECT_EQ(watched.moments.back().is_ending, comes_back);
     if (comes_back) {
@@ -503,7 +503,7 @@ TEST(LiveSession, HoldsAndRelaxesWhileAGloveIsSilent) {
   LiveView view = ViewOf(setup);
   setup.view = &view;
   const LiveResult live = RunLive(setup);
-  if (live.facts.skipped_ticks > 20) GTEST_SKIP() << "the machine is busy";
+  if (live.facts.skipped_ticks > 0) GTEST_SKIP() << kBusy;
   const auto& tiers = live.facts.tiers;
   EXPECT_GE(tiers[1].entered, 1);
   EXPECT_EQ(tiers[2].entered, 1);
