@@ -255,7 +255,7 @@ class FileHelper {
 };
 
 /// The table that the helper sends next, block by block, while it is read.
-std::shared_ptr<TableStream> StreamFrom(std::shared_ptr<FileHelper> helper) {
+std::shared_ptr<TableStream> StreamFrom(const std::shared_ptr<FileHelper>& helper) {
   const auto reader =
       helper->Receive([](PipeReader& pipe) { return std::make_shared<TableReader>(pipe); });
   return std::make_shared<TableStream>(

@@ -124,10 +124,7 @@ std::optional<double> TakeIsoDuration(TimeScanner& scanner) {
   bool is_clock = false;
   bool has_part = false;
   while (!scanner.at_end()) {
-    if (!is_clock && scanner.TakeAnyOf("T")) {
-      is_clock = true;
-      has_part = false;
-    }
+    if (!is_clock && scanner.TakeAnyOf("T")) is_clock = true;
     const bool minus = scanner.TakeAnyOf("-");
     const auto whole = scanner.TakeNumber(kMostDigits);
     if (!whole) return std::nullopt;
