@@ -226,8 +226,8 @@ std::string DriftText(const ChainResult& result) {
   if (drifting.empty()) return "";
   const auto count = static_cast<double>(drifting.size());
   return fmt::format(
-      "The delay of {} goes from {:.0f} to {:.0f} ms over the log, as with two clocks: one value "
-      "fits no moment of it.",
+      "The delay of {} goes from {:.0f} to {:.0f} ms over the log, as with two clocks: no value "
+      "holds for all of it.",
       FirstNames(std::move(drifting)), first_ms / count, last_ms / count);
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "controller/number.h"
+#include "sim/tables/missing.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -15,11 +16,6 @@ std::int64_t Sum(std::int64_t a, std::int64_t b) {
 }
 std::int64_t Difference(std::int64_t a, std::int64_t b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
-}
-
-bool AreSame(std::span<const double> a, std::span<const double> b) {
-  return std::ranges::equal(
-      a, b, [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
 }
 
 }  // namespace

@@ -142,13 +142,6 @@ void RecordingReader::CheckRange(std::size_t channel, double angle_rad) {
                      joint.min_deg, joint.max_deg));
 }
 
-/// True for a row that was written twice.
-bool RecordingReader::IsSameAsLast() const {
-  return std::ranges::equal(values_, last_values_, [](double one, double other) {
-    return one == other || (std::isnan(one) && std::isnan(other));
-  });
-}
-
 bool RecordingReader::FixTime(double& time_s) {
   if (map_.time.empty()) {
     time_s = good_rows_ * row_period_s_;
@@ -169,7 +162,7 @@ bool RecordingReader::FixTime(double& time_s) {
     return false;
   }
   constexpr std::size_t kMostCopies = 3;  // of a row; more are a clock that stands still
-  if (step_s == 0.0 && GoesOn(handling_) && IsSameAsLast() &&
+  if (step_s == 0.0 && GoesOn(handling_) && AreSame(values_, last_values_) &&
       doubled_rows_ < kMostCopies * good_rows_) {
     ++doubled_rows_;
     return false;

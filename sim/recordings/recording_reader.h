@@ -88,7 +88,6 @@ class RecordingReader {
   void CheckRange(std::size_t channel, double angle_rad);
   bool ReadRow();
   bool FixTime(double& time_s);
-  bool IsSameAsLast() const;
   bool IsWildTime(double step_s);
   void AddChannels(const RecordingFormat& format);
 

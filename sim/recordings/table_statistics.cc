@@ -79,7 +79,8 @@ bool IsUsualCode(double value) {
   constexpr std::array<double, 11> kCodes = {999.0,   -999.0,       9999.0,       -9999.0,
                                              99999.0, -99999.0,     32767.0,      -32768.0,
                                              65535.0, 2147483647.0, -2147483648.0};
-  return std::ranges::find(kCodes, value) != kCodes.end();
+  constexpr double kLeast = 999.0;  // asked of every value: most are below
+  return std::abs(value) >= kLeast && std::ranges::find(kCodes, value) != kCodes.end();
 }
 
 void AddThinned(std::vector<double>& values, double value) {

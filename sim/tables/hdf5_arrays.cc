@@ -116,21 +116,18 @@ void AddRates(const H5::Group& group, const std::string& path, std::vector<Named
   }
 }
 
-/// The text of an attribute; empty without one.
-std::string TextOf(const H5::DataSet& dataset, const char* attribute_name) {
-  if (!dataset.attrExists(attribute_name)) return "";
-  const H5::Attribute attribute = dataset.openAttribute(attribute_name);
-  if (attribute.getTypeClass() != H5T_STRING) return "";
-  const std::vector<std::string> texts = TextsIn(attribute);
+/// The class that MATLAB 7.3 notes for a variable, as `double` or `char`; empty without one.
+std::string MatlabClassOf(const H5::DataSet& dataset) {
+  if (!dataset.attrExists("MATLAB_class")) return "";
+  const std::vector<std::string> texts = TextsOf(dataset.openAttribute("MATLAB_class"));
   return texts.empty() ? "" : texts.front();
 }
 
 /// `place` with the unit of a time, as `milliseconds since 2025-11-29 10:00` of NetCDF. Source:
 /// cfconventions.org, 4.4 Time Coordinate. xarray chooses the unit by the times.
-std::string NameWithUnit(const H5::DataSet& dataset, const std::string& place) {
+std::string NameWithUnit(const std::string& place, const std::string& units) {
   const std::string own = place.substr(place.rfind('_') + 1);
   if (TimeScaleS(own) != 1.0) return place;
-  const std::string units = TextOf(dataset, "units");
   const std::optional<double> scale_s = TimeScaleS(units.substr(0, units.find(' ')));
   return scale_s && *scale_s != 1.0 ? NameOfTimes(place, UnitOfSeconds(*scale_s)) : place;
 }
@@ -172,7 +169,7 @@ void UseAttributes(const H5::DataSet& dataset, NamedArray& array) {
   if (scale != 1.0 || offset != 0.0) {
     for (double& value : array.values) value = scale * value + offset;
   }
-  const std::string with_unit = NameWithUnit(dataset, array.name);
+  const std::string with_unit = NameWithUnit(array.name, unit);
   if (with_unit != array.name) {
     array.name = with_unit;
   } else if (!unit.empty()) {
@@ -320,7 +317,7 @@ void AddTexts(NamedArray array, std::vector<NamedArray>& arrays) {
 void AddArrays(const H5::DataSet& dataset, const std::string& place, bool is_of_octave,
                std::vector<NamedArray>& arrays) {
   const H5T_class_t kind = dataset.getTypeClass();
-  const std::string matlab_class = TextOf(dataset, "MATLAB_class");
+  const std::string matlab_class = MatlabClassOf(dataset);
   if (dataset.attrExists("MATLAB_empty")) return;
   NamedArray array{.name = place, .values = {}};
   const auto leave_out = [&](std::string reason) {
@@ -386,14 +383,8 @@ std::string ProblemOfLink(const H5::Group& group, const std::string& name) {
 /// Source: nwb-schema, nwb.base.yaml, TimeSeries.
 std::optional<NamedArray> RateBeside(const H5::DataSet& dataset, const std::string& path) {
   if (!dataset.attrExists("rate")) return std::nullopt;
-  const H5::Attribute attribute = dataset.openAttribute("rate");
-  const H5T_class_t kind = attribute.getTypeClass();
-  if ((kind != H5T_FLOAT && kind != H5T_INTEGER) ||
-      attribute.getSpace().getSimpleExtentNpoints() != 1) {
-    return std::nullopt;
-  }
-  double rate_hz = 0.0;
-  attribute.read(H5::PredType::NATIVE_DOUBLE, &rate_hz);
+  const double rate_hz = NumberIn(dataset.openAttribute("rate"));
+  if (std::isnan(rate_hz)) return std::nullopt;
   return NamedArray{.name = path + "_rate", .rows = 1, .columns = 1, .values = {rate_hz}};
 }
 

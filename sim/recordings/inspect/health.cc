@@ -12,6 +12,7 @@
 #include "sim/base/signal.h"
 #include "sim/base/text.h"
 #include "sim/recordings/column_scale.h"
+#include "sim/tables/missing.h"
 
 namespace gauntlet::sim {
 namespace {
@@ -76,11 +77,7 @@ std::optional<std::size_t> CopyOf(const Inspection& inspection, std::size_t colu
   if (own.size() < kFewestRows || inspection.columns[column].is_dead) return std::nullopt;
   for (const std::size_t other : inspection.Sensors()) {
     if (other >= column || inspection.columns[other].is_dead) continue;
-    if (std::ranges::equal(own, inspection.picture_values[other], [](double one, double two) {
-          return one == two || (std::isnan(one) && std::isnan(two));
-        })) {
-      return other;
-    }
+    if (AreSame(own, inspection.picture_values[other])) return other;
   }
   return std::nullopt;
 }

@@ -27,6 +27,7 @@
 #include "sim/recordings/table_source.h"
 #include "sim/recordings/time_guess.h"
 #include "sim/tables/csv_reader.h"
+#include "sim/tables/missing.h"
 #include "sim/tables/name_words.h"
 #include "sim/tables/time_columns.h"
 
@@ -81,13 +82,6 @@ std::size_t ClockOf(const TimeGuess& time, const std::vector<InspectedColumn>& c
   return static_cast<std::size_t>(named - columns.begin());
 }
 
-/// True for rows of the same values; two missing ones are the same.
-bool IsSameRow(std::span<const double> one, std::span<const double> other) {
-  return std::ranges::equal(one, other, [](double first, double second) {
-    return first == second || (std::isnan(first) && std::isnan(second));
-  });
-}
-
 /// Reads the whole table once. Rows that repeat the one before, with its time, do not count if
 /// nearly all rows at the time of the one before are such: they were written twice. `doubled`: how
 /// many do not count.
@@ -113,7 +107,7 @@ TableStatistics ReadTable(const TimeGuess& time, const std::vector<InspectedColu
     const bool is_at_same_time = time_s == before_s;
     at_same_time += is_at_same_time ? 1 : 0;
     if (!is_at_same_time) copies = 0;
-    if (is_at_same_time && copies < kMostCopies && IsSameRow(values, before)) {
+    if (is_at_same_time && copies < kMostCopies && AreSame(values, before)) {
       ++copies;
       ++doubled;
       if (!once) once = statistics;
