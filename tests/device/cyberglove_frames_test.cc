@@ -58,7 +58,7 @@ TEST(CybergloveFrames, OfNoGloveAreLeftOutByTheirSize) {
     const bool is_glove = bytes == 18 || bytes == 19 || bytes == 22 || bytes == 23;
     EXPECT_EQ(made.frames.size(), is_glove ? 1u : 0u) << bytes;
     if (is_glove) continue;
-    // What is longer than any frame lost no bytes.
+    // A line that is longer than any frame loses no bytes.
     EXPECT_EQ(made.decoder->counts().half_frames, bytes < 22 ? 2u : 0u) << bytes;
     EXPECT_EQ(made.decoder->counts().garbage, bytes < 22 ? 0u : 2u) << bytes;
     EXPECT_EQ(made.decoder->problem(), fmt::format("a frame has {} bytes", bytes + 1));

@@ -173,7 +173,7 @@ TEST(UdpSource, PassesOnRepeatedAndReorderedFramesAndCountsTheRest) {
   EXPECT_EQ(source->Description(), fmt::format("udp:127.0.0.1:{}, csv", port));
 }
 
-/// What is sent to a group, and does not leave this machine.
+/// A message to a group that does not leave this machine.
 class Group {
  public:
   explicit Group(const std::string& host)

@@ -506,7 +506,7 @@ TEST(WithFacts, KnowsUnitsByTheirNames) {
           << text;
     }
   }
-  // Of two arrays with as many sensors the names begin with that of the array.
+  // Two arrays with as many sensors: the names begin with that of the array.
   const std::vector<NamedArray> two =
       WithFacts({Column("g_a", 3, 2),
                  Column("g_b", 3, 2),

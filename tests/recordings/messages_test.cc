@@ -263,7 +263,7 @@ TEST(MessageRows, OfJsonHasTimesOfBothVersionsOfRos) {
       far.Read(fmt::format(R"({{"stamp": {}}})", stamp(most, "1")));
       EXPECT_TRUE(far.stamp_ns()) << most;
     }
-    // What is no time is two numbers.
+    // Texts that are no time are two numbers.
     for (const auto& [sec, ns] :
          {std::pair("9000000001", "1"), {"-9000000001", "1"}, {"1.5", "1"}, {"1", "1.5"}}) {
       MessageRows other(JsonTopic());
@@ -346,7 +346,7 @@ TEST(ReadRos2Msg, RefusesWhatIsNoDefinition) {
   }
   EXPECT_EQ(error("string<=10 a\nstring<=5[<=2] b\nfloat64[3] c\n"), "");
   EXPECT_THAT(error("Other a\n"), HasSubstr("does not contain the definition of the type p/Other"));
-  // Sixteen in each other, and one more.
+  // Sixteen levels, and one more.
   const auto chain = [](int parts) {
     std::string text = "T1 a\n";
     for (int i = 1; i <= parts; ++i) {

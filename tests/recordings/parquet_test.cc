@@ -723,7 +723,7 @@ TEST(Parquet, NamesOfGroupsStandBeforeThoseOfColumns) {
   EXPECT_EQ(name({leaf}), "x");
   EXPECT_EQ(name({group, leaf}), "hand_x");
   EXPECT_EQ(name({group, Number(3, 0) + Text(1, "tip") + Number(1, 1), leaf}), "hand_tip_x");
-  // Up to 32 in each other.
+  // Up to 32 levels.
   std::vector<std::string> deep(32, group);
   deep.push_back(leaf);
   EXPECT_EQ(name(deep).substr(0, 10), "hand_hand_");

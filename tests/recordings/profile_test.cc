@@ -27,7 +27,7 @@ TEST(IsSameName, ComparesLettersAndDigits) {
   EXPECT_FALSE(IsSameName("index_mcp1", "index_mcp2"));
 }
 
-/// Of two joints in degrees; a time and a counter are no joints.
+/// Two joints in degrees; a time and a counter are no joints.
 Profile Degrees(std::vector<double> values = {0, 180}) {
   return {.match = {.names = {"a", "b"}, .values = std::move(values)},
           .map = "column,channel\nt,time\na,index_mcp\nb,index_pip\nn,ignore\n",

@@ -345,7 +345,7 @@ TEST(PlainTable, TakesTheTimeOfALogOff) {
     for (char& letter : text) letter = letter == 'I' ? *level : letter;
     EXPECT_EQ(plain(text), table);
   }
-  // Of another letter, without its brackets or its tag it is none.
+  // With another letter, without its brackets or its tag it is none.
   for (const std::string head : {"X (1020) G: ", "I 1020 G: ", "I (x) G: ", "I (1020 G: "}) {
     const std::string text = head + "a=1\n" + head + "a=3\n" + head + "a=5\n";
     EXPECT_EQ(plain(text), text) << head;

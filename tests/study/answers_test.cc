@@ -1,4 +1,4 @@
-// What another program made of a recording is compared as a filter of Gauntlet is.
+// Answers of another program to a recording are compared as a filter of Gauntlet is.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ class AnswersOfPrograms : public testing::Test {
     }
     return rows;
   }
-  /// The same, filtered as `exponential` does.
+  /// These rows, filtered as `exponential` does.
   static std::vector<Row> Filtered() {
     std::vector<Row> rows = Measured();
     for (std::size_t i = 1; i < rows.size(); ++i) {
@@ -78,7 +78,7 @@ class AnswersOfPrograms : public testing::Test {
                              "  mine: {}\n",
                              glove, motion, kAlpha, filter)}));
   }
-  /// What is wrong with it.
+  /// The error of such a scenario; empty if there is none.
   std::string Problem(const std::string& filter, const std::string& glove = "  noise: none\n",
                       const std::string& motion = "use: measured") const {
     try {
